@@ -104,6 +104,18 @@ def test_without_survivors_nothing_is_replicated():
         assert verdict == "not replicated" and "failed in 10" in reason and "  " not in reason
 
 
+def test_losses_can_take_an_advantage_away():
+    errors = np.array([0.94, 0.95, 0.96] * 13 + [1.5])
+    generators = (stream(0, f"test/verdicts/{run}/losses") for run in range(2))
+    lost = np.zeros(42, dtype=bool)
+    lost[-2:] = True  # 2 of 42 is below the limit
+    survivors = paired_ratio(errors, np.ones(40), next(generators))
+    everyone = paired_ratio(np.append(errors, [np.nan] * 2), np.ones(42), next(generators), numerator_failed=lost)
+    assert (everyone.estimate, everyone.high) == (survivors.estimate, survivors.high)
+    assert ratio_rule(survivors, "better", 0.95, 1)[0] == "replicated"
+    assert ratio_rule(everyone, "better", 0.95, 1)[0] == "inconclusive"
+
+
 def test_the_reason_carries_the_numbers():
     _, reason = ratio_rule(summary((0.8123, 0.8456), central=(0.4321, 1.2345)), "better", 0.54, 1000)
     for text in ("0.829", "0.812", "0.846", "1000 runs", "0.54", "0.432", "1.23", "inside"):

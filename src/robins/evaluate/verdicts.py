@@ -136,10 +136,10 @@ def failures(summary: RatioSummary) -> str:
 
 
 def bootstrap_remark(summary: RatioSummary) -> str:
-    """A sentence when the bootstrap interval lies otherwise with respect to 1, empty when it agrees."""
-    if side_of_one(summary.bca_low, summary.bca_high) == side_of_one(summary.low, summary.high):
+    """A sentence when the survivors' bootstrap interval lies otherwise with respect to 1, empty when it agrees."""
+    if side_of_one(summary.bca_low, summary.bca_high) == side_of_one(summary.verdict_low, summary.verdict_high):
         return ""
-    return f" The bootstrap interval ({summary.bca_low:.3g} to {summary.bca_high:.3g}) would decide otherwise."
+    return f" The survivors' bootstrap interval ({summary.bca_low:.3g} to {summary.bca_high:.3g}) would decide otherwise."
 
 
 def combine(verdicts: Mapping[str, str]) -> tuple[Verdict, str]:
