@@ -1,0 +1,13 @@
+"""Kalman filters: predict, weigh, update. A robust filter is the one update with other weights.
+
+Importing this package registers the weights of `robins.kalman.weights` and `robins.kalman.tuning`, then
+those of installed plug-ins, always in this order: the order is part of the compiled filters.
+"""
+
+from robins import plugins
+from robins.kalman import tuning, weights
+
+__all__ = ["tuning", "weights"]
+
+for _entry in plugins.found(plugins.WEIGHTS):
+    _entry.load()

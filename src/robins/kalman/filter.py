@@ -1,0 +1,302 @@
+"""Running a filter over a record, or over an ensemble of records.
+
+`run_filter` composes a prediction, a model, a sensor and a weighting. `schedule` and `run_schedule` are
+the same filter for a linear model whose weights do not depend on the data: gains and covariances are
+computed once and then applied to every run.
+
+At each epoch k the order is: measurement update, record, prediction to k+1. `controls[k]` is u(k);
+`measurements[k]` is processed at k where ``valid[k]``.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from robins.foundation.smallmat import multiply, solve_rows, times_vector, whiten
+from robins.kalman.differencing import correlate_prediction
+from robins.kalman.extension import entry_point
+from robins.kalman.model import linearise_observation, observe
+from robins.kalman.predict import predict
+from robins.kalman.update import innovation_covariance, update, workspace
+from robins.kalman.weights import weigh
+
+
+class Record(NamedTuple):
+    """What a filter leaves behind, for an ensemble of `runs` records of N epochs.
+
+    Attributes
+    ----------
+    prior, posterior, delayed : ndarray, shape (runs, N, r)
+        The first r states before and after the update at k, and the estimate of x(k) after the measurement
+        of k+1 (NaN at the last epoch and where `delayed` was not asked for).
+    prior_variance, posterior_variance, delayed_variance : ndarray, shape (runs, N, r)
+        The filter's own variances of these (one run only where they are the same for all).
+    innovation, innovation_variance, weights, gain_norm : ndarray, shape (runs, N, m)
+        Innovation, diagonal of S, weights, Euclidean norm of the gain's columns; NaN where nothing was processed.
+    nis : ndarray, shape (runs, N)
+        Normalised innovation squared.
+    failed : ndarray of int, shape (runs,)
+        Epoch at which the run failed (a covariance without Cholesky factor or a state that is not finite), or -1.
+    """
+
+    prior: np.ndarray
+    posterior: np.ndarray
+    delayed: np.ndarray
+    prior_variance: np.ndarray
+    posterior_variance: np.ndarray
+    delayed_variance: np.ndarray
+    innovation: np.ndarray
+    innovation_variance: np.ndarray
+    weights: np.ndarray
+    gain_norm: np.ndarray
+    nis: np.ndarray
+    failed: np.ndarray
+
+
+@njit(cache=True)
+def empty_record(runs, epochs, states, channels, variances):
+    """A `Record` full of NaN, with `variances` runs in the arrays that do not depend on the data."""
+    own, shared = (runs, epochs, states), (variances, epochs, states)
+    seen, shared_seen = (runs, epochs, channels), (variances, epochs, channels)
+    return Record(
+        np.full(own, np.nan), np.full(own, np.nan), np.full(own, np.nan),
+        np.full(shared, np.nan), np.full(shared, np.nan), np.full(shared, np.nan),
+        np.full(seen, np.nan), np.full(shared_seen, np.nan), np.full(shared_seen, np.nan), np.full(shared_seen, np.nan),
+        np.full((runs, epochs), np.nan), np.full(runs, -1),
+    )  # fmt: skip
+
+
+@njit(cache=True)
+def record_moments(x, P, states, variances):
+    """Copy the leading states and their variances out."""
+    for i in range(states.size):
+        states[i] = x[i]
+        variances[i] = P[i, i]
+
+
+@njit(cache=True)
+def record_delayed(work, states, variances, earlier, earlier_variances):
+    """The estimate of the previous epoch's state after this epoch's update, from ``E[x(k) z(k+1)^T]``.
+
+    ``work.FP`` holds the covariance between predicted and earlier state, ``work.H``, ``work.L`` and
+    ``work.white`` the update that followed: x(k/k+1) = x(k/k) + (F P)^T H^T S^-1 Delta.
+    """
+    m = work.H.shape[0]
+    row = np.empty(m)
+    for i in range(states.size):
+        for j in range(m):
+            total = 0.0
+            for k in range(work.H.shape[1]):
+                total += work.FP[k, i] * work.H[j, k]
+            row[j] = total
+        whiten(work.L, row, row)
+        states[i] = earlier[i]
+        variances[i] = earlier_variances[i]
+        for j in range(m):
+            states[i] += row[j] * work.white[j]
+            variances[i] -= row[j] * row[j]
+
+
+@njit(cache=True)
+def is_finite(x):
+    """Whether every element is finite."""
+    for value in x:
+        if not np.isfinite(value):
+            return False
+    return True
+
+
+@entry_point
+def run_filter(predictor, model, sensor, weighting, x0, P0, controls, measurements, valid, states, delayed):
+    """Run one filter over every record of an ensemble.
+
+    Parameters
+    ----------
+    predictor : Ekf or Ukf
+    model, sensor : NamedTuple
+        With kernels for the functions of `robins.kalman.model`; the sensor also has the noise of `Sensor`.
+    weighting : Weighting
+    x0 : ndarray, shape (runs, n)
+    P0 : ndarray, shape (n, n)
+        Prior of the first epoch, before its measurement.
+    controls : ndarray, shape (N, l)
+    measurements : ndarray, shape (runs, N, m)
+    valid : ndarray of bool, shape (N,)
+    states : int
+        How many leading states to record.
+    delayed : bool
+        Whether to record the one-step-delayed estimate (needs zero cross-covariances).
+
+    Returns
+    -------
+    Record
+    """
+    runs, epochs, m = measurements.shape
+    n = x0.shape[1]
+    record = empty_record(runs, epochs, states, m, runs)
+    work = workspace(n, m)
+    at_update, at_prediction = np.any(sensor.C_update != 0.0), np.any(sensor.C_predict != 0.0)
+    predicted, predicted_noise = np.empty((m, m)), np.empty((n, m))
+    weights, predicted_z = np.ones(m), np.empty(m)
+    for run in range(runs):
+        x, P = x0[run].copy(), P0.copy()
+        memory = weighting.memory.copy()
+        updates = 0
+        for k in range(epochs):
+            record_moments(x, P, record.prior[run, k], record.prior_variance[run, k])
+            if valid[k]:
+                linearise_observation(sensor, x, controls[k], work.H)
+                observe(sensor, x, controls[k], predicted_z)
+                for i in range(m):
+                    work.innovation[i] = measurements[run, k, i] - predicted_z[i]
+                    weights[i] = 1.0
+                if weighting.kind != 0:
+                    innovation_covariance(P, work.H, sensor.R_fixed, sensor.C_update, at_update, predicted_noise, predicted)
+                    weigh(weighting.kind, work.innovation, predicted, sensor.R, weighting.parameters, memory, updates, weights)
+                nis = update(x, P, work.innovation, work.H, sensor.R, sensor.R_fixed, sensor.C_update, at_update, weights, work)
+                updates += 1
+                if np.isnan(nis) or not is_finite(x):
+                    record.failed[run] = k
+                    break
+                record.nis[run, k] = nis
+                record_update(work, weights, record, run, k)
+                if delayed and k > 0:
+                    record_delayed(work, record.delayed[run, k - 1], record.delayed_variance[run, k - 1],
+                                   record.posterior[run, k - 1], record.posterior_variance[run, k - 1])  # fmt: skip
+            record_moments(x, P, record.posterior[run, k], record.posterior_variance[run, k])
+            if k + 1 < epochs:
+                if not predict(predictor, model, x, P, controls[k], work):
+                    record.failed[run] = k
+                    break
+                if at_prediction and valid[k]:
+                    correlate_prediction(x, P, sensor.C_predict, work)
+    return record
+
+
+@njit(cache=True)
+def record_update(work, weights, record, run, k):
+    """Copy innovation, its variance, weights and gain norms of one update out."""
+    for j in range(weights.size):
+        record.innovation[run, k, j] = work.innovation[j]
+        record.innovation_variance[run, k, j] = work.S[j, j]
+        record.weights[run, k, j] = weights[j]
+        total = 0.0
+        for i in range(work.K.shape[0]):
+            total += work.K[i, j] * work.K[i, j]
+        record.gain_norm[run, k, j] = np.sqrt(total)
+
+
+class Schedule(NamedTuple):
+    """Gains and covariances that no data enters, for N epochs.
+
+    Attributes
+    ----------
+    gain, carry, delay : ndarray, shapes (N, n, m), (N, n, m), (N, r, m)
+        K(k); the correction ``C S^-1`` of the coming prediction; the gain from the innovation of k+1 to x(k).
+    factor : ndarray, shape (N, m, m)
+        Lower Cholesky factor of S(k).
+    prior_covariance, posterior_covariance : ndarray, shape (N, n, n)
+    delayed_variance : ndarray, shape (N, r)
+    weights : ndarray, shape (N, m)
+    valid : ndarray of bool, shape (N,)
+    failed : int
+        Epoch without a Cholesky factor, or -1.
+    """
+
+    gain: np.ndarray
+    carry: np.ndarray
+    delay: np.ndarray
+    factor: np.ndarray
+    prior_covariance: np.ndarray
+    posterior_covariance: np.ndarray
+    delayed_variance: np.ndarray
+    weights: np.ndarray
+    valid: np.ndarray
+    failed: int
+
+
+@entry_point
+def schedule(predictor, model, sensor, P0, weights, valid, states, delayed):
+    """Gains and covariances of a linear filter with the given `weights` ``(N, m)``; see `run_filter`."""
+    epochs, m = weights.shape
+    n = P0.shape[0]
+    gain, carry, delay = np.zeros((epochs, n, m)), np.zeros((epochs, n, m)), np.zeros((epochs, states, m))
+    factor, delayed_variance = np.zeros((epochs, m, m)), np.full((epochs, states), np.nan)
+    prior, posterior = np.full((epochs, n, n), np.nan), np.full((epochs, n, n), np.nan)
+    work, x, P, u, failed = workspace(n, m), np.zeros(n), P0.copy(), np.zeros(model.B.shape[1]), -1
+    at_update, at_prediction = np.any(sensor.C_update != 0.0), np.any(sensor.C_predict != 0.0)
+    for k in range(epochs):
+        prior[k] = P
+        if valid[k]:
+            linearise_observation(sensor, x, u, work.H)
+            if np.isnan(update(x, P, work.innovation, work.H, sensor.R, sensor.R_fixed, sensor.C_update, at_update, weights[k], work)):
+                failed = k
+                break
+            gain[k], factor[k], carry[k] = work.K, work.L, sensor.C_predict
+            solve_rows(work.L, carry[k])
+            if delayed and k > 0:
+                multiply(np.ascontiguousarray(work.FP.T[:states]), np.ascontiguousarray(work.H.T), delay[k - 1])
+                for i in range(states):
+                    white = np.empty(m)
+                    whiten(work.L, delay[k - 1, i], white)
+                    delayed_variance[k - 1, i] = posterior[k - 1, i, i] - np.sum(white * white)
+                solve_rows(work.L, delay[k - 1])
+        posterior[k] = P
+        if k + 1 < epochs:
+            predict(predictor, model, x, P, u, work)
+            if at_prediction and valid[k]:
+                correlate_prediction(x, P, sensor.C_predict, work)
+    return Schedule(gain, carry, delay, factor, prior, posterior, delayed_variance, weights, valid, failed)
+
+
+@entry_point
+def run_schedule(plan, model, sensor, x0, controls, measurements, states, delayed):
+    """Apply a `Schedule` to every record of an ensemble; arguments and result as in `run_filter`."""
+    runs, epochs, m = measurements.shape
+    n = x0.shape[1]
+    record = empty_record(runs, epochs, states, m, 1)
+    record.failed[:] = plan.failed
+    for k in range(epochs):
+        for i in range(states):
+            record.prior_variance[0, k, i] = plan.prior_covariance[k, i, i]
+            record.posterior_variance[0, k, i] = plan.posterior_covariance[k, i, i]
+            record.delayed_variance[0, k, i] = plan.delayed_variance[k, i]
+        for j in range(m):
+            if plan.valid[k]:
+                record.innovation_variance[0, k, j] = np.sum(plan.factor[k, j] ** 2)
+                record.weights[0, k, j] = plan.weights[k, j]
+                record.gain_norm[0, k, j] = np.sqrt(np.sum(plan.gain[k, :, j] ** 2))
+    if plan.failed >= 0:
+        return record
+    predicted_z, innovation, white, shift, moved = np.empty(m), np.empty(m), np.empty(m), np.empty(n), np.empty(n)
+    for run in range(runs):
+        x = x0[run].copy()
+        for k in range(epochs):
+            u = controls[k]
+            record.prior[run, k] = x[:states]
+            if plan.valid[k]:
+                observe(sensor, x, u, predicted_z)
+                for j in range(m):
+                    innovation[j] = measurements[run, k, j] - predicted_z[j]
+                whiten(plan.factor[k], innovation, white)
+                record.nis[run, k] = np.sum(white * white)
+                record.innovation[run, k] = innovation
+                if delayed and k > 0:
+                    times_vector(plan.delay[k - 1], innovation, shift[:states])
+                    record.delayed[run, k - 1] = record.posterior[run, k - 1] + shift[:states]
+                times_vector(plan.gain[k], innovation, shift)
+                for i in range(n):
+                    x[i] += shift[i]
+            record.posterior[run, k] = x[:states]
+            if k + 1 < epochs:
+                moved[:] = x
+                times_vector(model.A, moved, x)
+                for i in range(n):
+                    for j in range(u.size):
+                        x[i] += model.B[i, j] * u[j]
+                if plan.valid[k]:
+                    times_vector(plan.carry[k], innovation, shift)
+                    for i in range(n):
+                        x[i] += shift[i]
+    return record

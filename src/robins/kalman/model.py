@@ -1,0 +1,133 @@
+"""What a filter needs to know of a system, as generic functions, and the linear system that needs no more.
+
+State equation   ``x(k+1) = f(x(k), u(k)) + w(k)``,  ``cov w = Q``
+Measurement      ``z(k) = h(x(k), u(k)) + v(k)``,    ``cov v = R``
+
+`propagate` and `linearise` describe the state equation; `observe` and `linearise_observation` the
+measurement. A model registers its kernels with `robins.kalman.extension.implements`.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numba.extending import overload
+
+from robins.foundation.smallmat import times_vector
+from robins.kalman.extension import implements, kernel_of
+
+
+def propagate(model, x, u):
+    """Replace the state `x` ``(n,)`` by ``f(x, u)`` for the input `u` ``(l,)``."""
+    return kernel_of("propagate", model)(model, x, u)
+
+
+def linearise(model, x, u, F, Q):
+    """Write ``df/dx`` at `x` into `F` and the process noise covariance of this step into `Q`, both ``(n, n)``."""
+    return kernel_of("linearise", model)(model, x, u, F, Q)
+
+
+def observe(sensor, x, u, z):
+    """Write the predicted measurement ``h(x, u)`` into `z` ``(m,)``."""
+    return kernel_of("observe", sensor)(sensor, x, u, z)
+
+
+def linearise_observation(sensor, x, u, H):
+    """Write ``dh/dx`` at `x` into `H` ``(m, n)``."""
+    return kernel_of("linearise_observation", sensor)(sensor, x, u, H)
+
+
+@overload(propagate)
+def _propagate(model, x, u):
+    kernel = kernel_of("propagate", model)
+    return lambda model, x, u: kernel(model, x, u)
+
+
+@overload(linearise)
+def _linearise(model, x, u, F, Q):
+    kernel = kernel_of("linearise", model)
+    return lambda model, x, u, F, Q: kernel(model, x, u, F, Q)
+
+
+@overload(observe)
+def _observe(sensor, x, u, z):
+    kernel = kernel_of("observe", sensor)
+    return lambda sensor, x, u, z: kernel(sensor, x, u, z)
+
+
+@overload(linearise_observation)
+def _linearise_observation(sensor, x, u, H):
+    kernel = kernel_of("linearise_observation", sensor)
+    return lambda sensor, x, u, H: kernel(sensor, x, u, H)
+
+
+class LinearModel(NamedTuple):
+    """``x(k+1) = A x(k) + B u(k) + w(k)``: `A` ``(n, n)``, `B` ``(n, l)``, `Q` ``(n, n)`` = cov w."""
+
+    A: np.ndarray
+    B: np.ndarray
+    Q: np.ndarray
+
+
+class Sensor(NamedTuple):
+    """Noise of a measurement, and for a linear one its matrices: ``z = H x + D u + v``.
+
+    Attributes
+    ----------
+    H, D : ndarray, shapes (m, n) and (m, l)
+    R : ndarray, shape (m, m)
+        The part of cov v that a robust method re-weights.
+    R_fixed : ndarray, shape (m, m)
+        The part that no sensor fault touches (zero in most problems).
+    C_update : ndarray, shape (n, m)
+        ``E[e v^T]`` between the predicted state's error ``e = x - x(k/k-1)`` and v.
+    C_predict : ndarray, shape (n, m)
+        ``E[w v^T]`` between the noise of the coming prediction and v.
+    """
+
+    H: np.ndarray
+    D: np.ndarray
+    R: np.ndarray
+    R_fixed: np.ndarray
+    C_update: np.ndarray
+    C_predict: np.ndarray
+
+
+def linear_sensor(H, R, D=None, R_fixed=None, C_update=None, C_predict=None, inputs=1) -> Sensor:
+    """A `Sensor` with zeros where nothing is given; `inputs` is the length of u when `D` is absent."""
+    m, n = H.shape
+    shapes = ((D, (m, inputs)), (R_fixed, (m, m)), (C_update, (n, m)), (C_predict, (n, m)))
+    rest = [np.zeros(shape) if given is None else np.ascontiguousarray(given, float) for given, shape in shapes]
+    return Sensor(np.ascontiguousarray(H, float), rest[0], np.ascontiguousarray(R, float), *rest[1:])
+
+
+@implements(propagate, LinearModel)
+@njit(cache=True)
+def propagate_linear(model, x, u):
+    previous = x.copy()
+    times_vector(model.A, previous, x)
+    for i in range(x.size):
+        for j in range(u.size):
+            x[i] += model.B[i, j] * u[j]
+
+
+@implements(linearise, LinearModel)
+@njit(cache=True)
+def linearise_linear(model, x, u, F, Q):
+    F[:] = model.A
+    Q[:] = model.Q
+
+
+@implements(observe, Sensor)
+@njit(cache=True)
+def observe_linear(sensor, x, u, z):
+    times_vector(sensor.H, x, z)
+    for i in range(z.size):
+        for j in range(u.size):
+            z[i] += sensor.D[i, j] * u[j]
+
+
+@implements(linearise_observation, Sensor)
+@njit(cache=True)
+def linearise_observation_linear(sensor, x, u, H):
+    H[:] = sensor.H

@@ -1,0 +1,117 @@
+"""Weights: what makes a Kalman filter robust. Each is one function, registered by name.
+
+A weight function looks at the innovation and says how far to trust each channel, between 1 (as the
+plain filter does) and 0 (not at all). Its arguments are the same for all:
+
+    kernel(innovation, predicted, R, parameters, memory, epoch, weights)
+
+    innovation   (m,)     z - h(x)
+    predicted    (m, m)   innovation covariance without the weighted part R of the noise
+    R            (m, m)   the part of the noise covariance that the weights act on
+    parameters   (p,)     the method's constants
+    memory       (r, c)   private to a run; kept from one update to the next
+    epoch        int      number of updates before this one
+    weights      (m,)     to be written; holds ones on entry
+
+An integer flag selects the kernel inside the compiled filter, so all weights share one compilation. To
+add one, write the function and decorate it; a weight of your own package is announced through the
+entry-point group ``robins.weights``.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numba.extending import overload
+
+from robins.kalman.extension import note_kernel
+
+_flags: dict[str, int] = {}
+_kernels: list = []
+
+
+class Weighting(NamedTuple):
+    """A weight function with its constants and its initial memory."""
+
+    kind: int
+    parameters: np.ndarray
+    memory: np.ndarray
+
+
+def weight(name: str):
+    """Decorator: register a compiled weight function under `name`."""
+
+    def register(kernel):
+        if name in _flags:
+            raise ValueError(f"a weight named {name!r} is registered already")
+        _flags[name] = len(_kernels)
+        _kernels.append(kernel)
+        note_kernel(kernel)
+        return kernel
+
+    return register
+
+
+def weighting(name: str, parameters=(), memory=None) -> Weighting:
+    """The `Weighting` of the weight function called `name`.
+
+    Raises
+    ------
+    ValueError
+        No such weight; the message lists those there are.
+    """
+    if name not in _flags:
+        raise ValueError(f"no weight is called {name!r}; there are {', '.join(sorted(_flags))}")
+    memory = np.zeros((1, 1)) if memory is None else np.ascontiguousarray(memory, float)
+    return Weighting(_flags[name], np.array(parameters, float), memory)
+
+
+def names() -> list[str]:
+    """The registered weights in alphabetical order."""
+    return sorted(_flags)
+
+
+def weigh(kind, innovation, predicted, R, parameters, memory, epoch, weights):
+    """Write the weights of the method with flag `kind`; see the module's docstring."""
+    return _kernels[kind](innovation, predicted, R, parameters, memory, epoch, weights)
+
+
+@overload(weigh)
+def _weigh(kind, innovation, predicted, R, parameters, memory, epoch, weights):
+    chain = None
+    for flag, kernel in reversed(list(enumerate(_kernels))):
+        chain = _link(flag, kernel, chain)
+    return chain
+
+
+def _link(flag, kernel, others):
+    """One ``if`` of the compiled dispatch: this kernel for its flag, `others` for every other flag."""
+    if others is None:
+
+        def last(kind, innovation, predicted, R, parameters, memory, epoch, weights):
+            kernel(innovation, predicted, R, parameters, memory, epoch, weights)
+
+        return last
+    rest = njit(others)
+
+    def link(kind, innovation, predicted, R, parameters, memory, epoch, weights):
+        if kind == flag:
+            kernel(innovation, predicted, R, parameters, memory, epoch, weights)
+        else:
+            rest(kind, innovation, predicted, R, parameters, memory, epoch, weights)
+
+    return link
+
+
+@weight("unit")
+@njit(cache=True)
+def unit(innovation, predicted, R, parameters, memory, epoch, weights):
+    """Every weight one: the plain Kalman filter."""
+
+
+@weight("known")
+@njit(cache=True)
+def known(innovation, predicted, R, parameters, memory, epoch, weights):
+    """Weights given beforehand, one row of `memory` for each update: an oracle that is told the fault."""
+    weights[:] = memory[epoch]
+
