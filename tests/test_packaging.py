@@ -1,10 +1,13 @@
 """What a clone promises before any science runs: an environment that can be made anywhere, and nothing of one machine."""
 
+import ast
 import os
 import re
 import runpy
 import subprocess
+import sys
 import tomllib
+from importlib.metadata import packages_distributions
 from pathlib import Path
 
 import pytest
@@ -32,6 +35,17 @@ def tracked_files(repository: Path) -> list[Path]:
     except (OSError, subprocess.CalledProcessError):
         pytest.skip("not a git checkout")
     return [repository / os.fsdecode(name) for name in listing.split(b"\0") if name]
+
+
+def imported_names(path: Path) -> set[str]:
+    """First parts of the names of all modules that a source file imports absolutely."""
+    names = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            names |= {alias.name.split(".")[0] for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.level == 0:
+            names.add(node.module.split(".")[0])
+    return names
 
 
 @pytest.fixture(scope="module")
@@ -69,6 +83,17 @@ def test_every_dependency_is_locked_at_a_version_that_pyproject_accepts(project,
         name, lowest = requirement.split(">=")
         numbers = [tuple(int(part) for part in re.findall(r"\d+", version)) for version in (locked[normalised(name)], lowest)]
         assert numbers[0] >= numbers[1], requirement
+
+
+def test_every_package_that_the_library_imports_is_declared(repository, project):
+    runtime = {normalised(re.match(r"[\w.-]+", requirement)[0]) for requirement in project["dependencies"]}
+    providers = packages_distributions()
+    undeclared = {}
+    for path in sorted((repository / "src").rglob("*.py")):
+        for name in imported_names(path) - sys.stdlib_module_names - {"robins"}:
+            if not runtime & {normalised(provider) for provider in providers.get(name, [])}:
+                undeclared.setdefault(name, path.relative_to(repository).as_posix())
+    assert undeclared == {}
 
 
 def test_every_entry_of_the_lock_is_pinned_with_a_hash(lock, locked):
