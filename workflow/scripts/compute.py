@@ -1,0 +1,6 @@
+"""Compute one job of a paper: a scenario, a variant or a study."""
+
+from robins.papers import steps
+
+with steps.running(snakemake):
+    steps.compute(steps.desk(snakemake), snakemake.wildcards.job)

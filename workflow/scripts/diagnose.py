@@ -1,0 +1,6 @@
+"""Run the noise diagnostics on a scenario's residuals."""
+
+from robins.papers import steps
+
+with steps.running(snakemake):
+    steps.diagnose(steps.desk(snakemake), snakemake.wildcards.job)

@@ -1,0 +1,6 @@
+"""Publish the tables or the figures of a paper."""
+
+from robins.papers import steps
+
+with steps.running(snakemake):
+    {"tables": steps.write_tables, "figures": steps.write_figures}[snakemake.params.stage](steps.desk(snakemake))

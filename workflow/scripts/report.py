@@ -1,0 +1,9 @@
+"""Write the report from the results."""
+
+from robins.papers import steps
+from robins.publish import report
+
+with steps.running(snakemake):
+    desks = steps.desks(snakemake)
+    layout = desks[0].layout
+    report.write(snakemake.output[0], {at.paper.key: at.paper for at in desks}, layout.results, layout.ensemble)
