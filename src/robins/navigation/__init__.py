@@ -1,0 +1,1 @@
+"""Models of moving bodies and their sensors."""
