@@ -8,7 +8,7 @@ import pytest
 
 from robins.papers.protocol import Column
 from robins.publish import check, tables
-from robins.publish.check import CLAIMS, CLAIM_TABLE, compare
+from robins.publish.check import CLAIM_TABLE, CLAIMS, compare
 
 KEY = "nobody1999"
 TABLE = f"{KEY}/tables/table-1.csv"

@@ -16,6 +16,13 @@ from robins.foundation.files import write_text
 _ADDRESS = re.compile(r"0x[0-9a-f]{6,}")
 
 
+class _ThisInterpreter(AsyncKernelManager):
+    """Starts the kernel of this very interpreter: with no folder to look in, jupyter falls back on it."""
+
+    def __init__(self, **settings):
+        super().__init__(kernel_spec_manager=KernelSpecManager(kernel_dirs=[]), **settings)
+
+
 def execute(source, target, workdir, environment: Mapping[str, str] | None = None, timeout: int = 600) -> None:
     """Execute the notebook `source` in `workdir` and write it, with its outputs, to `target`.
 
@@ -38,8 +45,7 @@ def execute(source, target, workdir, environment: Mapping[str, str] | None = Non
         A cell failed; nothing is written.
     """
     notebook = nbformat.read(source, as_version=4)
-    manager = AsyncKernelManager(kernel_name="python3", kernel_spec_manager=KernelSpecManager(kernel_dirs=[]))
-    client = NotebookClient(notebook, km=manager, timeout=timeout, record_timing=False)
+    client = NotebookClient(notebook, kernel_name="python3", kernel_manager_class=_ThisInterpreter, timeout=timeout, record_timing=False)
     client.execute(env={**os.environ, **(environment or {})}, cwd=str(workdir))
     for text in strip(notebook):
         print(text, end="", file=sys.stderr)

@@ -214,11 +214,21 @@ def data_uri(path: Path) -> str:
 
 
 def math(latex: str, display: str = "block") -> Markup:
-    """LaTeX (without dollar signs) as MathML."""
+    """LaTeX (without dollar signs) as MathML.
+
+    Raises
+    ------
+    InputError
+        The converter refuses it, or would silently show something else: an open brace, an unknown command, a stray ``&``.
+    """
     try:
-        return Markup(convert(latex, display=display))
+        markup = convert(latex, display=display)
     except Exception as error:  # the converter has a dozen kinds of errors and no common base
         raise InputError("formula", latex, f"{type(error).__name__} {error}".strip(), "LaTeX that can be set as MathML") from error
+    bare = latex.replace("\\{", "").replace("\\}", "")
+    if bare.count("{") != bare.count("}") or "\\" in markup or "<mi>&</mi>" in markup:
+        raise InputError("formula", latex, "an open brace, an unknown command or a stray &", "LaTeX that can be set as MathML")
+    return Markup(markup)
 
 
 def prose(text: str) -> Markup:

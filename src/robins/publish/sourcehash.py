@@ -119,22 +119,30 @@ class SourceIndex:
 
     def _visit(self, module: str, name: str, found: dict[str, str]) -> list[tuple[str, str]]:
         """Enter what ``from module import name`` depends on into `found`; return the imports to follow."""
-        if name and name != "*" and self.file(f"{module}.{name}"):
-            module, name = f"{module}.{name}", ""
+        onward = self._passed_on(module, name)
+        if onward is None and name and name != "*" and self.file(f"{module}.{name}"):
+            module = f"{module}.{name}"
         while module and self.file(module) is None:  # `import a.b.c` where c is no module: an attribute of the nearest module
             module = module.rpartition(".")[0]
         if not module:
             return []
         parts = module.split(".")
-        for depth in range(1, len(parts)):
+        for depth in range(1, len(parts) + (onward is not None)):
             package = ".".join(parts[:depth])
             found[f"{package}/"] = self.source(package).acts
+        if onward is not None:
+            return [onward]
         source = self.source(module)
-        if name in source.passed_on and self.file(module).name == "__init__.py":
-            found[f"{module}/"] = source.acts
-            return [source.passed_on[name]]
         found[module] = source.digest
         return list(source.imports)
+
+    def _passed_on(self, package: str, name: str) -> tuple[str, str] | None:
+        """The import by which `package` merely passes `name` on, or None (also where `name` is a module of its own)."""
+        path = self.file(package)
+        if path is None or path.name != "__init__.py":
+            return None
+        onward = self.source(package).passed_on.get(name)
+        return None if onward == (package, name) else onward
 
     def hash(self, modules: Iterable[str], extra: Mapping | None = None) -> str:
         """SHA-256 (hex) of the closure of `modules` and of `extra`."""
