@@ -85,7 +85,7 @@ def test_a_figure_of_full_width_is_small(tmp_path):
             for name in style.families():
                 row.plot(np.random.default_rng(1).normal(size=200).cumsum(), label=name, **style.family(name) | {"marker": ""})
         style.save(figure, tmp_path / "figure.png")
-    assert (tmp_path / "figure.png").stat().st_size < 400_000  # nineteen random walks twice: far denser than any figure of ours
+    assert (tmp_path / "figure.png").stat().st_size < 150_000
 
 
 def test_another_format_is_refused_and_leaves_nothing(tmp_path):

@@ -10,12 +10,14 @@ References
 """
 
 from contextlib import contextmanager
+from io import BytesIO
 from pathlib import Path
 
 import matplotlib
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from PIL import Image
 
 from robins.foundation.files import replacing
 
@@ -151,6 +153,16 @@ def save(figure: Figure, path) -> None:
         if suffix == ".svg":
             figure.savefig(temporary, format="svg", metadata={"Date": None, "Creator": None})
         elif suffix == ".png":
-            figure.savefig(temporary, format="png", metadata={"Software": None}, pil_kwargs={"optimize": True})
+            _save_png(figure, temporary)
         else:
             raise ValueError(f"{path}: a figure is .png or .svg, not {suffix!r}")
+
+
+def _save_png(figure: Figure, path) -> None:
+    """Write a PNG with a palette of 256 colours: a third of the size, and the eye sees no difference in a line drawing."""
+    drawn = BytesIO()
+    figure.savefig(drawn, format="png", metadata={"Software": None})
+    with Image.open(drawn) as image:
+        image.convert("RGB").quantize(256, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE).save(
+            path, format="png", optimize=True
+        )
