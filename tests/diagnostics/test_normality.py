@@ -78,3 +78,10 @@ def test_lilliefors_statistic_is_the_gap_to_the_fitted_normal_law(rng):
 def test_samples_that_cannot_be_tested_are_refused_with_the_reason(samples, message):
     with pytest.raises(ValueError, match=message):
         normality.jarque_bera(samples)
+
+
+def test_thinning_never_draws_a_sample_twice(rng):
+    # of 5001 evenly spread normal quantiles one is left out, which hardly shows; repeated draws would leave ties and gaps
+    quantiles = stats.norm.ppf((np.arange(5001) + 0.5) / 5001)
+    assert 1 - normality.shapiro_wilk(quantiles, rng).statistic < 1e-4
+    assert 1 - stats.shapiro(rng.choice(quantiles, 5000)).statistic > 1e-4
