@@ -231,4 +231,8 @@ def test_field_tables_are_compared_when_there_and_named_when_skipped(reference, 
     spoil(tmp_path / "fresh", "field/record/noise.csv", lambda frame: frame.replace({"rmse": {"1": "1.1"}}))
     check.compare_field(tmp_path / "fresh", tmp_path / "old", outcome)
     assert len(outcome.differences) == 1
+    tables.write_csv(tables.read_text(reference / TABLE), tmp_path / "fresh" / "field" / "more.csv")
+    outcome = check.Comparison()
+    check.compare_field(tmp_path / "fresh", tmp_path / "old", outcome)
+    assert any(line.startswith("field/more.csv") for line in outcome.differences)
     assert check.compare_field(tmp_path / "none", tmp_path / "old", outcome) == ["record/noise.csv"]

@@ -8,7 +8,7 @@ from html.parser import HTMLParser
 import pytest
 
 from robins.foundation.errors import InputError
-from robins.publish import report, tables
+from robins.publish import manifest, report
 
 KEY = "nobody1999"
 VOID = {"meta", "link", "img", "br", "hr", "input", "source"}
@@ -101,8 +101,16 @@ def test_another_ensemble_says_so_at_the_top(reference, paper, text):
 def test_a_field_folder_becomes_a_section(reference, paper, tmp_path, text):
     assert 'id="field"' not in text
     folder = shutil.copytree(reference, tmp_path / "results")
-    tables.write_csv(tables.read_text(reference / KEY / "tables" / "table-1.csv"), folder / "field" / "laser-gyro.csv")
-    assert 'id="field-laser-gyro"' in report.render({KEY: paper}, folder, "standard")
+    (folder / "field" / "gyro").mkdir(parents=True)
+    shutil.copyfile(reference / KEY / "tables" / "table-1.csv", folder / "field" / "gyro" / "noise.csv")
+    shutil.copyfile(reference / KEY / "figures" / "figure-01.png", folder / "field" / "gyro" / "noise.png")
+    entries = {f"gyro/noise{suffix}": manifest.entry("field", None, "a" * 64) for suffix in (".csv", ".png")}
+    recording = {"source": "https://example.org/recording"}
+    manifest.write_record(folder / "field" / "manifest.json", {"recording": recording, "artefacts": entries})
+    with_field = report.render({KEY: paper}, folder, "standard")
+    assert 'id="field-gyro-noise"' in with_field and 'id="field-figure-gyro-noise"' in with_field
+    assert '<dd class="long">https://example.org/recording</dd>' in with_field
+    assert Page(with_field).problems == []
 
 
 def test_a_claim_without_an_overall_row_is_refused(reference, paper):

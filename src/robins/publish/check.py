@@ -128,6 +128,9 @@ def compare_field(results, reference, outcome: Comparison) -> list[str]:
     names = sorted(path.relative_to(reference).as_posix() for path in reference.rglob("*.csv"))
     if not results.is_dir():
         return names
+    extra = {path.relative_to(results).as_posix() for path in results.rglob("*.csv")} - set(names)
+    for name in sorted(extra if names else ()):
+        outcome.differ(f"field/{name}", "", "a table that the reference does not have", "no such table")
     for name in names:
         if not (results / name).is_file():
             outcome.differ(f"field/{name}", "", "no table in the results", "the table")

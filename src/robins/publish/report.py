@@ -192,19 +192,31 @@ def _figure_view(figure, folder: Path, artefacts: Mapping) -> FigureView:
     return FigureView(figure.name, figure.title, figure.location, figure.caption, n, data_uri(path))
 
 
-def field_views(folder: Path) -> dict[str, list]:
-    """Tables and figures made from real recordings, as they lie in results/field; nothing where there is none."""
-    found = {"tables": [], "figures": []}
-    for path in sorted(folder.rglob("*")):
-        name = path.relative_to(folder).with_suffix("").as_posix().replace("/", ": ").replace("-", " ").replace("_", " ")
+def field_views(folder: Path) -> dict:
+    """What was made from real recordings, as results/field/manifest.json lists it; nothing where there is none.
+
+    Returns
+    -------
+    dict
+        ``tables`` and ``figures`` as for a paper, ``recording``: what the manifest says about its origin.
+    """
+    found = {"tables": [], "figures": [], "recording": {}}
+    if not (folder / "manifest.json").is_file():
+        return found
+    manifest = json.loads((folder / "manifest.json").read_text(encoding="utf-8"))
+    found["recording"] = manifest.get("recording", {})
+    for file, entry in manifest["artefacts"].items():
+        path = folder / file
+        name = file.removesuffix(path.suffix)
+        anchor, title = name.replace("/", "-"), name.replace("/", ": ").replace("-", " ").capitalize()
         if path.suffix == ".csv":
             frame = tables.read_text(path)
-            numeric = [pd.to_numeric(frame[column], errors="coerce").notna().any() for column in frame.columns]
+            numeric = [bool(pd.to_numeric(frame[column], errors="coerce").notna().any()) for column in frame.columns]
             rows = [[number(cell) for cell in row] for row in frame.itertuples(index=False)]
-            file = f"field/{path.relative_to(folder).as_posix()}"
-            found["tables"].append(TableView(path.stem, name, "", "", None, list(frame.columns), numeric, rows, file))
-        elif path.suffix in _MEDIA:
-            found["figures"].append(FigureView(path.stem, name, "", "", None, data_uri(path)))
+            view = TableView(anchor, title, "", "", entry["n"], list(frame.columns), numeric, rows, f"field/{file}")
+            found["tables"].append(view)
+        else:
+            found["figures"].append(FigureView(anchor, title, "", "", entry["n"], data_uri(path)))
     return found
 
 
