@@ -16,6 +16,7 @@ from robins.papers.hajiyev2023.scenario import (
     CONDITIONS,
     SETTLED,
     STEADY,
+    Draws,
     Ensemble,
     Parameters,
     baseline,
@@ -46,14 +47,29 @@ def scenario(settings: Settings, branch: str) -> Output:
     arrays = {"truth": ensemble.x[0], "lambda": ensemble.lam[0], "controls": controls(parameters)}
     arrays |= {f"z.{condition}": z[0] for condition, z in ensemble.z.items()}
     arrays |= {f"matrix.{name}": matrix for name, matrix in matrices._asdict().items()}
-    arrays["residual.process-noise"] = draws.w[0] * parameters.si("sigma_w")
-    arrays["residual.measurement-noise"] = draws.v[0] * parameters.si("sigma_v")
-    arrays["residual.fault-noise"] = ensemble.z["fault"][0] - ensemble.x[0] - ensemble.lam[0]
-    arrays["residual.correlated-error"] = ensemble.lam[0]
-    arrays["residual.differenced-noise"] = xi
+    arrays |= residuals(parameters, draws, ensemble, xi)
     names = ("sigma_w", "sigma_v", "sigma_lambda", "sigma_0")
     table = pd.DataFrame({"state": STATES, **{name: parameters.si(name) for name in names}})
     return Output(table, arrays)
+
+
+def residuals(parameters: Parameters, draws: Draws, ensemble: Ensemble, xi: np.ndarray) -> dict[str, np.ndarray]:
+    """The series of run 0 that the noise diagnostics look at, with the rate and, where it is known, the law's deviation.
+
+    Two of the eight process noises are zero and have no distribution; they are left out.
+    """
+    driven = parameters.si("sigma_w") > 0
+    series = {
+        "process-noise": (draws.w[0] * parameters.si("sigma_w"))[:, driven],
+        "measurement-noise": draws.v[0] * parameters.si("sigma_v"),
+        "fault-noise": ensemble.z["fault"][0] - ensemble.x[0] - ensemble.lam[0],
+        "correlated-error": ensemble.lam[0],
+        "differenced-noise": xi,
+    }
+    arrays = {f"residual.{name}": values for name, values in series.items()}
+    arrays |= {f"rate_hz.{name}": np.array(1.0 / parameters.dt) for name in series}
+    known = {"process-noise": parameters.si("sigma_w")[driven], "measurement-noise": parameters.si("sigma_v")}
+    return arrays | {f"sd.{name}": deviation for name, deviation in known.items()}
 
 
 def diverged(record: Record, errors: np.ndarray, bound: float) -> np.ndarray:
