@@ -2,7 +2,8 @@
 #
 # Everything is made from the registry (robins.papers) and config/config.yaml; no rule names a paper. Inputs are
 # checked here, before anything is written. What each rule's result depends on is its parameter `source`, a hash of
-# code, definitions and settings (robins.papers.pipeline): a comment reruns nothing.
+# code, definitions, settings and files of the repository (robins.papers.pipeline): a comment reruns nothing, nor does a
+# time stamp, which says nothing after a clone.
 
 import os
 import sys
@@ -45,9 +46,20 @@ if not RECORDING and workflow.is_main_process:  # said once, not again in every 
 SOURCES = {
     key: pipeline.Sources(paper, SETTINGS[key], LAYOUT.published_numbers(paper)) for key, paper in PAPERS.items()
 }
+# What readers see. Every output among these is an `update`: Snakemake deletes other outputs before a job starts, whereas
+# these stay as they were when a job fails or is interrupted.
+CLAIMS, MANIFEST, REPORT = (f"{LAYOUT.results}/{name}" for name in ("claims.csv", "manifest.json", "report.html"))
+PRODUCTS = [LAYOUT.products(paper, stage) for paper in PAPERS.values() for stage in ("tables", "figures")]
+RECORDS = [LAYOUT.record(stage, key) for key in PAPERS for stage in ("tables", "figures")]
+NOTEBOOKS = LAYOUT.notebook_sources(PAPERS)
+NOTEBOOK_TARGETS = [f"{LAYOUT.notebooks}/{name}.ipynb" for name in NOTEBOOKS]
 
 
 configfile: str(CONFIG_FILE)
+
+
+config.clear()  # the jobs get what has been checked, numbers as numbers
+config.update(CONFIGURATION.values)
 
 
 wildcard_constraints:
@@ -73,10 +85,10 @@ include: "workflow/rules/check.smk"
 rule all:
     default_target: True
     input:
-        [LAYOUT.products(paper, stage) for paper in PAPERS.values() for stage in ("tables", "figures")],
-        rules.claims.output,
-        rules.manifest.output,
-        rules.report.output,
+        PRODUCTS,
+        CLAIMS,
+        MANIFEST,
+        REPORT,
         NOTEBOOK_TARGETS,
         FIELD_TARGETS,
         rules.complete.output,

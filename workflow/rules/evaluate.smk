@@ -4,7 +4,6 @@
 rule evaluate:
     input:
         lambda wildcards: LAYOUT.inputs(PAPERS[wildcards.paper], PAPERS[wildcards.paper].claims),
-        published=lambda wildcards: LAYOUT.published_numbers(PAPERS[wildcards.paper]),
     output:
         f"{LAYOUT.build}/{{paper}}/evaluate/claims.parquet",
     params:
@@ -22,7 +21,7 @@ rule claims:
     input:
         [LAYOUT.outputs(paper, pipeline.CLAIMS) for paper in PAPERS.values()],
     output:
-        f"{LAYOUT.results}/claims.csv",
+        update(CLAIMS),
         LAYOUT.record("claims"),
     params:
         source={key: sources.result(pipeline.CLAIMS) for key, sources in SOURCES.items()},

@@ -10,7 +10,7 @@ rule field:
     input:
         [RECORDING] if RECORDING else [],
     output:
-        f"{LAYOUT.results}/field/manifest.json",
+        update(f"{LAYOUT.results}/field/manifest.json"),
         f"{LAYOUT.build}/field/complete.json",
     params:
         seed=CONFIGURATION.seed,

@@ -8,9 +8,8 @@ for KEY, PAPER in PAPERS.items():
                 f"{STAGE}_{KEY}"
             input:
                 LAYOUT.inputs(PAPER, pipeline.products(PAPER, STAGE)),
-                LAYOUT.published_numbers(PAPER),
             output:
-                LAYOUT.products(PAPER, STAGE),
+                update(LAYOUT.products(PAPER, STAGE)),
                 LAYOUT.record(STAGE, KEY),
             params:
                 paper=KEY,
@@ -24,21 +23,18 @@ for KEY, PAPER in PAPERS.items():
                 "../scripts/publish.py"
 
 
-PRODUCTS = [LAYOUT.products(paper, stage) for paper in PAPERS.values() for stage in ("tables", "figures")]
-RECORDS = [LAYOUT.record(stage, key) for key in PAPERS for stage in ("tables", "figures")]
-NOTEBOOKS = LAYOUT.notebook_sources(PAPERS)
-NOTEBOOK_TARGETS = [f"{LAYOUT.notebooks}/{name}.ipynb" for name in NOTEBOOKS]
-
-
 rule notebook:
     input:
         PRODUCTS,
-        rules.claims.output,
-        source=lambda wildcards: NOTEBOOKS[wildcards.name],
+        CLAIMS,
+        MANIFEST,
+        FIELD_TARGETS,
     output:
-        f"{LAYOUT.notebooks}/{{name}}.ipynb",
+        update(f"{LAYOUT.notebooks}/{{name}}.ipynb"),
     params:
-        source=source_hash(["robins.publish.notebook"]),
+        source=lambda wildcards: source_hash(
+            ["robins.publish.notebook"], {"notebook": NOTEBOOKS[wildcards.name].read_text()}
+        ),
     log:
         f"{LAYOUT.build}/logs/notebook/{{name}}.log",
     conda:
@@ -49,13 +45,12 @@ rule notebook:
 
 rule manifest:
     input:
-        ROOT / "requirements.lock",
-        records=[rules.claims.output[1], RECORDS],
+        [LAYOUT.record("claims"), RECORDS],
     output:
-        f"{LAYOUT.results}/manifest.json",
+        update(MANIFEST),
     params:
         config={key: configuration.digest(settings) for key, settings in SETTINGS.items()},
-        source=source_hash(["robins.publish.manifest"]),
+        source=source_hash(["robins.publish.manifest"], {"lock": (ROOT / "requirements.lock").read_text()}),
     log:
         f"{LAYOUT.build}/logs/manifest.log",
     conda:
@@ -67,11 +62,11 @@ rule manifest:
 rule report:
     input:
         PRODUCTS,
-        rules.claims.output,
-        rules.manifest.output,
+        CLAIMS,
+        MANIFEST,
         FIELD_TARGETS,
     output:
-        f"{LAYOUT.results}/report.html",
+        update(REPORT),
     params:
         papers=list(PAPERS),
         source=source_hash(["robins.publish.report"]),
@@ -88,9 +83,9 @@ rule complete:
     input:
         [LAYOUT.intermediates(paper) for paper in PAPERS.values()],
         PRODUCTS,
-        rules.claims.output,
-        rules.manifest.output,
-        rules.report.output,
+        CLAIMS,
+        MANIFEST,
+        REPORT,
         NOTEBOOK_TARGETS,
         FIELD_TARGETS,
     output:

@@ -1,5 +1,7 @@
 """Merge the papers' judged claims into one ledger."""
 
+from snakemake.script import snakemake
+
 from robins.papers import steps
 
 with steps.running(snakemake):

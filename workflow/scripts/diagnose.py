@@ -1,5 +1,7 @@
 """Run the noise diagnostics on a scenario's residuals."""
 
+from snakemake.script import snakemake
+
 from robins.papers import steps
 
 with steps.running(snakemake):

@@ -2,6 +2,8 @@
 
 from pathlib import Path
 
+from snakemake.script import snakemake
+
 from robins.field import lasergyro, psins
 from robins.foundation.randomness import stream
 from robins.papers import steps

@@ -2,10 +2,14 @@
 
 from pathlib import Path
 
+from snakemake.script import snakemake
+
 from robins.papers import steps
 from robins.publish import notebook
 
 with steps.running(snakemake):
-    layout = steps.desks(snakemake)[0].layout
+    desks = steps.desks(snakemake)
+    layout = desks[0].layout
+    source = layout.notebook_sources({at.paper.key: at.paper for at in desks})[snakemake.wildcards.name]
     environment = {"ROBINS_ENSEMBLE": layout.ensemble, "ROBINS_BUILD": layout.build, "ROBINS_RESULTS": layout.results}
-    notebook.execute(Path(snakemake.input.source), Path(snakemake.output[0]), Path.cwd(), environment)
+    notebook.execute(source, Path(snakemake.output[0]), Path.cwd(), environment)

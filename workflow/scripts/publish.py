@@ -1,5 +1,7 @@
 """Publish the tables or the figures of a paper."""
 
+from snakemake.script import snakemake
+
 from robins.papers import steps
 
 with steps.running(snakemake):

@@ -1,5 +1,7 @@
 """Write the report from the results."""
 
+from snakemake.script import snakemake
+
 from robins.papers import steps
 from robins.publish import report
 

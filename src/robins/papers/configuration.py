@@ -21,6 +21,7 @@ from robins.publish.sourcehash import canonical
 COMMAND_LINE = "--config"
 """The name of the layer that comes from ``snakemake --config key=value``."""
 
+
 @dataclass(frozen=True)
 class Configuration:
     """A checked configuration.
@@ -43,6 +44,12 @@ class Configuration:
     recordings: Path | None = None
     sizes: Mapping = field(default_factory=dict)
     options: Mapping = field(default_factory=dict)
+
+    @property
+    def values(self) -> dict:
+        """The configuration as plain values; `from_values` makes it again."""
+        recordings = None if self.recordings is None else str(self.recordings)
+        return {**asdict(self), "papers": list(self.papers), "recordings": recordings}
 
 
 def load(path, overrides: Mapping | None = None, extra_files: Iterable = ()) -> Configuration:
@@ -72,8 +79,9 @@ def load(path, overrides: Mapping | None = None, extra_files: Iterable = ()) -> 
         check_layer(extra, layer, root)
         values = merged(values, layer)
     if overrides:
-        check_layer(COMMAND_LINE, overrides, root)
-        values = merged(values, overrides)
+        layer = spoken(overrides)
+        check_layer(COMMAND_LINE, layer, root)
+        values = merged(values, layer)
     return from_values(values, root)
 
 
@@ -90,6 +98,21 @@ def from_values(values: Mapping, root: Path) -> Configuration:
         sizes=values.get("sizes", {}),
         options=values.get("options", {}),
     )
+
+
+def spoken(value):
+    """A value of the command line with the numbers, truth values and nulls that Snakemake leaves as text inside mappings."""
+    if isinstance(value, Mapping):
+        return {key: spoken(inner) for key, inner in value.items()}
+    if isinstance(value, list):
+        return [spoken(inner) for inner in value]
+    if isinstance(value, str):
+        try:
+            read = yaml.safe_load(value)
+        except yaml.YAMLError:
+            return value
+        return read if read is None or isinstance(read, int | float) else value
+    return value
 
 
 def settings_for(paper: Paper, configuration: Configuration) -> Settings:

@@ -220,7 +220,8 @@ def running(snakemake) -> Iterator[None]:
         log.write_text(f"{label}: {time.monotonic() - began:.1f} s\n", encoding="utf-8")
     except Exception as error:
         log.write_text(traceback.format_exc(), encoding="utf-8")
-        reason = str(error) if isinstance(error, InputError) else f"{type(error).__name__}: {error} (see {log})"
+        said = (str(error).strip().splitlines() or [""])[-1]  # the last line names the cause where there are several
+        reason = said if isinstance(error, InputError) else f"{type(error).__name__}: {said} (see {log})"
         print(f"robins: {label}: {reason}", file=sys.stderr, flush=True)
         sys.exit(1)
     finally:

@@ -1,0 +1,100 @@
+"""A paper that does not exist: does halving the mean of twenty readings make it better? Registered as a plug-in."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure as Drawing
+from toykernel import READINGS, errors, readings
+
+from robins.evaluate.ledger import Row
+from robins.papers.protocol import Claim, Column, Figure, Job, Output, Paper, Table
+
+MODULES = ("toykernel",)
+HERE = Path(__file__).parent
+
+
+def constant(settings):
+    """The scenario: run 0 and its residuals."""
+    first = readings(settings)[0]
+    arrays = {"residual.gauge": first - settings.options["level"], "sd.gauge": np.array([1.0])}
+    return Output(pd.DataFrame({"reading": first}), arrays)
+
+
+def variant(name, weight):
+    """One row of the registry."""
+    return Job(name, name, lambda settings: Output(errors(settings, weight)), MODULES, {"weight": weight}, "classical")
+
+
+def theory(settings):
+    """The study: the standard deviation of the mean."""
+    return Output(pd.DataFrame({"sd": [READINGS**-0.5]}))
+
+
+def errors_table(results):
+    """Mean error of both variants."""
+    rows = [(name, float(results.table(name)["error"].mean()), len(results.table(name)), 0) for name in ("plain", "shrunk")]
+    return pd.DataFrame(rows, columns=["filter", "error", "n", "failed"])
+
+
+def plain_table(results):
+    """Mean error of one variant beside what theory says."""
+    return pd.DataFrame({"filter": ["plain"], "error": [results.table("plain")["error"].mean()], "sd": [results.table("theory")["sd"][0]]})
+
+
+def draw(results):
+    """Errors over the runs."""
+    drawing = Drawing()
+    drawing.add_subplot().plot(results.table("plain")["error"])
+    return drawing
+
+
+def judge(results):
+    """Is the halved mean worse?"""
+    ratio = results.table("shrunk")["error"].mean() / results.table("plain")["error"].mean()
+    n = len(results.table("plain"))
+    return [Row("C1", "error ratio", "overall", ratio, ratio / 2, ratio * 2, n, "shrunk", "direction only", "It is worse.")]
+
+
+ERROR = Column("error", "number")
+
+PAPER = Paper(
+    key="toy",
+    title="A toy",
+    citation="Nobody (2026)",
+    doi="",
+    summary="A constant is read twenty times.",
+    scenarios=(Job("constant", "a constant", constant, MODULES),),
+    variants=(variant("plain", 1.0), variant("shrunk", 0.5)),
+    studies=(Job("theory", "theory", theory, MODULES),),
+    tables=(
+        Table(
+            "table-1",
+            "Errors",
+            "Table 1",
+            (Column("filter", "key"), ERROR, Column("n", "count"), Column("failed", "count")),
+            errors_table,
+            ("plain", "shrunk"),
+            MODULES,
+            size="runs",
+        ),
+        Table(
+            "extra-plain",
+            "Error and theory",
+            "",
+            (Column("filter", "key"), ERROR, Column("sd", "number")),
+            plain_table,
+            ("plain", "theory"),
+            MODULES,
+            size="runs",
+        ),
+    ),
+    figures=(Figure("figure-01", "Errors", "Fig. 1", draw, ("plain",), MODULES, size="runs"),),
+    claims=(Claim("C1", "Halving the mean makes it worse.", judge, ("plain", "shrunk"), MODULES, "runs", 4),),
+    equations=(),
+    assumptions=(),
+    sizes={name: {"runs": size} for name, size in (("smoke", 8), ("standard", 40), ("full", 80))},
+    options={"level": 3.0},
+    published=HERE / "toy.csv",
+    notebook=HERE / "toy.ipynb",
+)

@@ -1,0 +1,68 @@
+"""Bad input is refused before anything is written: one line, exit code 1."""
+
+import pytest
+
+
+def refusal(workflow, *config, **options):
+    """The one line that a refused run prints; checks the exit code and that nothing was written."""
+    before = workflow.published()
+    run = workflow("--cores", "1", config=config, **options)
+    assert run.returncode == 1, run.stderr
+    lines = [line for line in run.stderr.splitlines() if line]
+    assert len(lines) == 1, run.stderr
+    assert not run.stdout
+    assert workflow.published() == before
+    assert not (workflow.folder / "build").exists() or before
+    return lines[0]
+
+
+def test_an_unknown_key_is_refused(fresh):
+    assert refusal(fresh, "colour=blue") == (
+        "robins: --config: colour: found an unknown key, expected one of ensemble, seed, papers, recordings, sizes, options"
+    )
+
+
+@pytest.mark.slow
+def test_a_negative_count_is_refused_and_results_stay(finished, tmp_path):
+    workflow = finished.copy(tmp_path)
+    line = refusal(workflow, "sizes={toy: {standard: {runs: -5}}}")
+    assert line == "robins: --config: sizes.toy.standard.runs: found -5, expected a whole number, one or more"
+
+
+def test_text_in_a_number_column_of_the_published_values_is_refused(fresh):
+    fresh.edit("toy.csv", "1.5", "about 1.5")
+    line = refusal(fresh)
+    assert "toy.csv: line 2, column value: found 'about 1.5', expected a number" in line
+
+
+def test_a_missing_recording_is_refused_with_the_way_to_get_it(fresh):
+    line = refusal(fresh, f"recordings={fresh.folder / 'nowhere'}")
+    assert "nowhere/psins_rlg_static/lasergyro.imu: found no such file, expected 2665416 bytes" in line
+    assert "https://github.com/" in line
+
+
+def test_a_truncated_recording_is_refused(fresh):
+    folder = fresh.site / "recordings" / "psins_rlg_static"
+    folder.mkdir(parents=True)
+    (folder / "lasergyro.imu").write_text("% PSINS\n0 0 0 0 0 0\n")
+    line = refusal(fresh, f"recordings={folder.parent}")
+    assert "lasergyro.imu: size: found 20 bytes, expected 2665416 bytes" in line
+
+
+@pytest.mark.parametrize("setting", ["papers=[nobody]", "papers=nobody"])
+def test_an_unknown_paper_is_refused(fresh, setting):
+    assert refusal(fresh, papers=setting).startswith("robins: --config: papers: found 'nobody', expected ")
+
+
+@pytest.mark.slow
+def test_a_run_without_recordings_says_how_to_get_one_and_leaves_the_field_results(fresh):
+    kept = fresh.folder / "results" / "field" / "laser-gyro" / "extra-allan.csv"
+    kept.parent.mkdir(parents=True)
+    kept.write_text("kept\n")
+    run = fresh("--cores", "2", "results/toy/tables/table-1.csv")
+    assert run.returncode == 0, run.stderr
+    said = [line for line in run.stderr.splitlines() if line.startswith("robins: no recordings")]
+    assert len(said) == 1
+    assert "https://github.com/" in said[0] and "sha256 5de921e7" in said[0]
+    assert kept.read_text() == "kept\n"
+    assert [file.name for file in kept.parent.iterdir()] == ["extra-allan.csv"]
