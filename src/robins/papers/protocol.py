@@ -74,7 +74,9 @@ class Column:
     """One column of a published table and how exactly it must regenerate.
 
     ``kind`` is ``key`` (identifies the row, exact), ``text`` (exact), ``count`` (whole number, exact) or
-    ``number`` (compared within ``relative`` and ``absolute``; a cell may instead hold the word ``failed``).
+    ``number`` (compared within ``relative`` and ``absolute``; a cell may instead hold the word ``failed``),
+    ``optional`` (a number or nothing) or ``prose`` (a generated sentence: its words exact, its numerals to their last
+    digit, compared where ``n`` is equal).
     """
 
     name: str

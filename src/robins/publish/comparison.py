@@ -1,8 +1,8 @@
 """Comparing two CSV files cell by cell, and naming what differs.
 
-Cells are compared as they stand in the files. Kinds of columns are those of `robins.papers.protocol.Column`, and three
-that only the claim ledger has: ``optional`` (a number, words, or nothing), ``verdict`` (compared only where the n is
-equal) and ``prose`` (words exact, the numerals inside it to their last printed digit, and like the verdict at equal n).
+Cells are compared as they stand in the files. Kinds of columns are those of `robins.papers.protocol.Column`, and one
+that only the claim ledger has: ``verdict`` (compared only where the n is equal). ``optional`` cells hold a number, words
+or nothing; in ``prose`` the words are exact and the numerals agree to their last printed digit, where the n is equal.
 """
 
 import math

@@ -78,11 +78,13 @@ def _objection(value, kind: str) -> str:
         return "" if fine else f"a finite number or {FAILED!r}"
     if kind == "count":
         return "" if isinstance(value, Integral) else "a whole number"
+    if kind == "optional" and isinstance(value, Real):
+        return "" if math.isfinite(value) else "a finite number or nothing"
     if kind == "key" and isinstance(value, Real) and math.isfinite(value):
         return ""
     if not isinstance(value, str) or "\n" in value:
         return "one line of text"
-    return "" if value or kind == "text" else "a key that is not empty"
+    return "" if value or kind != "key" else "a key that is not empty"
 
 
 def key_columns(table) -> list[str]:
@@ -121,14 +123,23 @@ def read(path, table) -> pd.DataFrame:
             frame[column.name] = frame[column.name].astype(float)
         elif column.kind == "number":
             frame[column.name] = [value if value == FAILED else float(value) for value in frame[column.name]]
+        elif column.kind == "optional":
+            frame[column.name] = [_as_number(value) for value in frame[column.name]]
     validate(frame, table)
     return frame
+
+
+def _as_number(cell: str) -> float | str:
+    try:
+        return float(cell)
+    except ValueError:
+        return cell
 
 
 def markdown(frame: pd.DataFrame, table, n: int | None = None) -> str:
     """`frame` as a Markdown page: title, where it stands in the paper, the table to four digits, caption and n."""
     heads = [header(column) for column in table.columns]
-    rules = ["---:" if column.kind in ("number", "count") else "---" for column in table.columns]
+    rules = ["---:" if column.kind in ("number", "count", "optional") else "---" for column in table.columns]
     rows = [[rounded(value) for value in row] for row in frame.itertuples(index=False)]
     lines = [" | ".join(row) for row in ([_escaped(head) for head in heads], rules, *([_escaped(cell) for cell in row] for row in rows))]
     notes = [text for text in (table.caption, f"n = {n}." if n else "") if text]

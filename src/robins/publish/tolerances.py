@@ -14,7 +14,7 @@ def refuse_columns(table) -> list[str]:
     kinds = {column.kind for column in table.columns}
     if len(set(names)) < len(names):
         problems.append("two columns with one name")
-    if not kinds <= {"key", "text", "count", "number"}:
+    if not kinds <= {"key", "text", "count", "number", "optional", "prose"}:
         problems.append(f"unknown kinds of columns: {', '.join(sorted(kinds))}")
     if "key" not in kinds:
         problems.append("no key column")
@@ -44,7 +44,7 @@ def refuse_tolerances(table, frame: pd.DataFrame) -> list[str]:
     """
     problems = []
     for column in table.columns:
-        if column.kind != "number" or column.absolute <= ROUND_OFF:
+        if column.kind not in ("number", "optional") or column.absolute <= ROUND_OFF:
             continue
         low, high = _interval(column.name, frame)
         for position, half_width in enumerate(abs(high - low) / 2):
