@@ -1,6 +1,7 @@
 """Merge the papers' judged claims into one ledger."""
 
-from snakemake.script import snakemake
+# ruff: noqa: F821
+# Snakemake puts the object `snakemake` into the script.
 
 from robins.papers import steps
 

@@ -1,6 +1,7 @@
 """Compute one job of a paper: a scenario, a variant or a study."""
 
-from snakemake.script import snakemake
+# ruff: noqa: F821
+# Snakemake puts the object `snakemake` into the script.
 
 from robins.papers import steps
 

@@ -1,6 +1,7 @@
 """Run the noise diagnostics on a scenario's residuals."""
 
-from snakemake.script import snakemake
+# ruff: noqa: F821
+# Snakemake puts the object `snakemake` into the script.
 
 from robins.papers import steps
 

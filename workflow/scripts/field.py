@@ -1,8 +1,9 @@
 """Publish the tables and figures of the laser-gyro recording, and the manifest that lists them."""
 
-from pathlib import Path
+# ruff: noqa: F821
+# Snakemake puts the object `snakemake` into the script.
 
-from snakemake.script import snakemake
+from pathlib import Path
 
 from robins.field import lasergyro, psins
 from robins.foundation.randomness import stream

@@ -1,6 +1,7 @@
 """Collect the records of all artefacts into the manifest."""
 
-from snakemake.script import snakemake
+# ruff: noqa: F821
+# Snakemake puts the object `snakemake` into the script.
 
 from robins.papers import steps
 

@@ -1,8 +1,9 @@
 """Execute a notebook in the run's folder; it finds the results through the environment variables set here."""
 
-from pathlib import Path
+# ruff: noqa: F821
+# Snakemake puts the object `snakemake` into the script.
 
-from snakemake.script import snakemake
+from pathlib import Path
 
 from robins.papers import steps
 from robins.publish import notebook

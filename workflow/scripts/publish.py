@@ -1,6 +1,7 @@
 """Publish the tables or the figures of a paper."""
 
-from snakemake.script import snakemake
+# ruff: noqa: F821
+# Snakemake puts the object `snakemake` into the script.
 
 from robins.papers import steps
 

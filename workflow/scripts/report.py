@@ -1,6 +1,7 @@
 """Write the report from the results."""
 
-from snakemake.script import snakemake
+# ruff: noqa: F821
+# Snakemake puts the object `snakemake` into the script.
 
 from robins.papers import steps
 from robins.publish import report
