@@ -111,6 +111,10 @@ def test_a_failing_step_says_why_in_one_line_and_leaves_what_is_published(finish
     assert workflow.published() == finished.published()
 
 
+def test_the_default_profile_is_understood(fresh):
+    assert fresh.planned("--workflow-profile", str(ROOT / "workflow" / "profiles" / "default")) == EVERYTHING
+
+
 def test_lint_has_nothing_to_say(fresh):
     run = fresh("--lint")
     assert "Congratulations" in run.stderr + run.stdout
