@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
+from scipy.stats import chi2
 
-from robins.kalman.tuning import GATED, matching
+from robins.kalman.tuning import GATED, covariance_matching, matching
 from robins.papers.hajiyev2023.estimators import (
     augmented,
     classical,
@@ -154,6 +155,28 @@ def test_fault_raises_the_matching_factors(problem):
     raised = fault / healthy
     assert set(np.argsort(raised)[-2:]) == {Q_CHANNEL, THETA_CHANNEL}
     assert np.all(np.sort(raised)[-2:] > 5) and np.all(np.sort(raised)[:-2] < 2)
+
+
+def test_the_lower_bound_raises_the_factors_of_a_healthy_filter(problem):
+    """A permanent false alarm: s_i = 1 would be right in every channel."""
+    case = problem(50)
+    for build in (printed, corrected, augmented):
+        weights = case.run(build(case.matrices, case.parameters, "per-channel")).weights[:, STEADY]
+        assert np.all(np.mean(1 / weights, axis=(0, 1)) > 1.05)
+
+
+def test_the_mean_of_a_bounded_factor_is_that_of_a_rectified_chi_square():
+    """White innovations of the predicted variance: E[max(1, chi2_M / M)] by quadrature, about 1 + 0.564 / sqrt(M)."""
+    window, epochs = 20, 100_000
+    memory, weights, factors = np.zeros((window, 1)), np.ones(1), np.empty(epochs)
+    rule = matching(window, 1)
+    source = np.random.default_rng(5).standard_normal((epochs, 1))
+    for k in range(epochs):
+        covariance_matching(source[k], np.zeros((1, 1)), np.eye(1), rule.parameters, memory, k, weights)
+        factors[k] = 1 / weights[0]
+    exact = chi2.expect(lambda total: np.maximum(1.0, total / window), args=(window,))
+    assert np.mean(factors[window:]) == pytest.approx(exact, abs=0.01)
+    assert exact == pytest.approx(1 + 0.564 / np.sqrt(window), abs=0.005)
 
 
 def test_one_factor_is_never_below_one(problem):

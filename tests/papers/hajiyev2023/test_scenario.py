@@ -68,6 +68,18 @@ def test_truth_and_measurement_obey_equations_1_2_and_4(problem, branch):
     assert not x[:, 0].any()
 
 
+def test_noises_have_their_covariances_and_no_correlation(problem):
+    case = problem(200)
+    x, p = case.ensemble.x, case.parameters
+    w = (x[:, 1:] - x[:, :-1] @ case.matrices.A.T - controls(p)[:-1] @ case.matrices.B.T).reshape(-1, 8)
+    v = (case.ensemble.z["healthy"] - x - case.ensemble.lam)[:, :-1].reshape(-1, 8)
+    together = np.hstack([w[:, p.si("sigma_w") > 0], v])
+    scale = np.concatenate([p.si("sigma_w")[p.si("sigma_w") > 0], p.si("sigma_v")])
+    np.testing.assert_allclose(together.T @ together / len(together) / np.outer(scale, scale), np.eye(14), rtol=0, atol=0.03)
+    later = w[1:, p.si("sigma_w") > 0].T @ v[:-1] / len(v) / np.outer(scale[:6], scale[6:])
+    np.testing.assert_allclose(later, 0.0, rtol=0, atol=0.03)
+
+
 def test_measurements_with_and_without_the_fault_differ_only_in_two_channels_and_the_window(problem):
     case = problem(3)
     difference = case.ensemble.z["fault"] - case.ensemble.z["healthy"]
