@@ -69,6 +69,7 @@ wildcard_constraints:
 
 localrules:
     all,
+    check,
 
 
 include: "workflow/rules/simulate.smk"
