@@ -21,7 +21,7 @@ from robins.kalman.model import LinearModel, Sensor, linear_sensor
 from robins.kalman.predict import Ekf
 from robins.kalman.tuning import GATED, PER_CHANNEL, SCALAR_MEAN, SCALAR_TRACE, matching
 from robins.kalman.weights import Weighting
-from robins.papers.hajiyev2023.scenario import Ensemble, Parameters, Q_CHANNEL, System, THETA_CHANNEL, controls, differenced
+from robins.papers.hajiyev2023.scenario import Q_CHANNEL, THETA_CHANNEL, Ensemble, Parameters, System, controls, differenced
 
 GATE_PROBABILITY = 0.999
 """Quantile of chi2_M / M above which a gated scale factor is applied (brief A12)."""
@@ -118,7 +118,8 @@ def late(matrices: System, parameters: Parameters, rule: str = "") -> Filter:
     """The misaligned reading of brief A2: mu(k-1) is processed at k as if it were a measurement of x(k)."""
     form = printed(matrices, parameters, rule)
     sensor = form.sensor._replace(D=np.zeros_like(form.sensor.D))
-    return form._replace(sensor=sensor, reads="mu-late", valid=epochs_valid(parameters, 1, parameters.steps), filtered="posterior", delayed="")
+    valid = epochs_valid(parameters, 1, parameters.steps)
+    return form._replace(sensor=sensor, reads="mu-late", valid=valid, filtered="posterior", delayed="")
 
 
 def corrected(matrices: System, parameters: Parameters, rule: str = "") -> Filter:
