@@ -15,8 +15,47 @@ Noise    every random number comes from a named stream (`robins.foundation.rando
 The compiled kernels are cached on disk; the line below has to run before anything is compiled.
 """
 
+import importlib
+
 from robins import compile_cache
 
 compile_cache.activate()
 
 __version__ = "0.1.0"
+
+_HOME = {
+    "stream": "robins.foundation.randomness",
+    "InputError": "robins.foundation.errors",
+    "implements": "robins.kalman.extension",
+    "propagate": "robins.kalman.model",
+    "linearise": "robins.kalman.model",
+    "observe": "robins.kalman.model",
+    "linearise_observation": "robins.kalman.model",
+    "LinearModel": "robins.kalman.model",
+    "linear_sensor": "robins.kalman.model",
+    "Ekf": "robins.kalman.predict",
+    "Ukf": "robins.kalman.predict",
+    "weight": "robins.kalman.weights",
+    "weighting": "robins.kalman.weights",
+    "matching": "robins.kalman.tuning",
+    "run_filter": "robins.kalman.filter",
+    "schedule": "robins.kalman.filter",
+    "run_schedule": "robins.kalman.filter",
+    "difference": "robins.kalman.differencing",
+    "diagnose": "robins.diagnostics.summary",
+    "paired_ratio": "robins.evaluate.intervals",
+    "all_papers": "robins.papers",
+}
+"""The public names and where they live; a module is imported when one of its names is first asked for."""
+
+__all__ = ["__version__", *_HOME]
+
+
+def __getattr__(name: str):
+    if name not in _HOME:
+        raise AttributeError(f"module 'robins' has no attribute {name!r}")
+    return getattr(importlib.import_module(_HOME[name]), name)
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})
