@@ -235,3 +235,11 @@ def test_an_edit_in_the_weight_reruns_only_the_filter_that_uses_it(example, fini
     assert jobs["estimate"] == "1"
     assert "build/smoke/example2026/estimate/cauchy.parquet" in run.stdout + run.stderr
     assert "simulate" not in jobs
+
+
+def test_an_editable_installation_is_covered_like_any_other(tmp_path):
+    installation = install(tmp_path / "site", tmp_path / "cache")
+    for record in installation.site.glob("*.dist-info/RECORD"):  # what `pip install -e` leaves: metadata, and sources elsewhere on the path
+        record.write_text("")
+    code = "from robins import plugins; from robins.kalman import extension; print(len(plugins.source_files()), len(extension._loose_ends))"
+    assert installation.run("-c", code).stdout.split() == [str(len(list((PLUGIN / "src").rglob("*.py")))), "0"]

@@ -14,7 +14,7 @@ from pathlib import Path
 import robins
 from robins import plugins
 
-_MARKER = re.compile(r"#\s*((?:\([\w.'-]+\)(?:\s*,\s*)?)+)\s*([a-z]+\d{4}[a-z]?)\b")
+_MARKER = re.compile(r"#\s*((?:\([\w.'-]+\)(?:\s*,\s*)?)+)\s*([a-z][a-z0-9]*)\b")
 _NUMBER = re.compile(r"\(([\w.'-]+)\)")
 
 

@@ -94,6 +94,19 @@ def use():
         yield
 
 
+def add_family(name: str, color: str, linestyle: str, marker: str) -> None:
+    """Give a family of filters that is not in this list (a plug-in's) its colour, line style and marker.
+
+    Raises
+    ------
+    ValueError
+        The family has a look already.
+    """
+    if name in _FAMILIES and _FAMILIES[name] != (color, linestyle, marker):
+        raise ValueError(f"the filter family {name!r} has a look already")
+    _FAMILIES[name] = (color, linestyle, marker)
+
+
 def family(name: str) -> dict:
     """Colour, line style and marker of a family of filters, as keywords for ``Axes.plot``.
 
