@@ -13,7 +13,7 @@ from robins.papers.protocol import Figure
 
 MDKF, AMDKF = epochs.MDKF, epochs.AMDKF
 OPEN_DIAMOND = "Open diamond: the published value, one run. "
-LOOK_AHEAD = "AMDKF and MDKF estimate with one step of look-ahead, AAKF and AKF without. "
+LOOK_AHEAD = "AMDKF/MDKF compares estimates of x(k) from z(0) to z(k+1), AAKF/AKF from z(0) to z(k). "
 RUNS = f"Runs 0 to n-1; {SUBSTITUTE}."
 BOTH = "The lateral states do not depend on the branch. "
 
@@ -86,7 +86,8 @@ FIGURES = (
         "specification-curve", "Ratios of random parameter sets", sweeps.draw_specification_curve,
         tuple(f"specification-{branch}" for branch in BRANCHES),
         OPEN_DIAMOND + "It has no abscissa. Each curve: geometric mean ratios of n sets, fault on, sorted by themselves; number: share "
-        "of the sets in which AMDKF/MDKF is below 1. " + LOOK_AHEAD + BOTH + SUBSTITUTE + ".", "specification_sets",
+        "of the sets in which AMDKF/MDKF is below 1. " + LOOK_AHEAD
+        + "AKF/MDKF: both from z(0) to z(k+1). " + BOTH + SUBSTITUTE + ".", "specification_sets",
     ),
     extra(
         "window", "Error ratio and length of the window",

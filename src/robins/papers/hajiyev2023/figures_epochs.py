@@ -29,7 +29,7 @@ from robins.publish import style
 
 MDKF, AMDKF = "mdkf-printed", "amdkf-printed"
 TRANSIENT = 10
-"""Epochs that do not decide the limits of an error's axis: the covariance falls from its first value meanwhile."""
+"""Epochs that do not decide an axis's limits: the first guess is forgotten meanwhile."""
 BRANCH_WORDS = {"deg": "angles read in degrees", "rad": "angles read in radians"}
 ITERATION = "iteration $k$ (steps)"
 WORDS = {"fault": "with the fault", "healthy": "no fault"}
@@ -51,8 +51,8 @@ def state_limits(results: Results, state: str, branch: str) -> tuple[tuple[float
         truth, estimate, sd, quantiles = (
             arrays[f"{branch}.fault.{what}"][..., :-1, i] for what in ("truth0", "estimate0", "sd0", "error_quantiles")
         )
-        levels += [truth, estimate]
-        errors += [estimate - truth, 3 * sd[TRANSIENT:], quantiles[:, TRANSIENT:].ravel()]
+        levels += [truth, estimate[TRANSIENT:]]
+        errors += [(estimate - truth)[TRANSIENT:], 3 * sd[TRANSIENT:], quantiles[:, TRANSIENT:].ravel()]
     low, high = np.nanmin(np.concatenate(levels)), np.nanmax(np.concatenate(levels))
     edge = 0.08 * (high - low)
     half = 1.08 * np.nanmax(np.abs(np.concatenate(errors)))

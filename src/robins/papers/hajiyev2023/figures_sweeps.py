@@ -82,6 +82,7 @@ def sweep_grid(figure: FigureBase, results: Results, sweep: Sweep) -> None:
             panel.ax.set_xticks(ticks, words)
             limits = panel.ax.get_xlim()
             if sweep.published is None:
+                limits = (limits[0], limits[1] * (limits[1] / limits[0]) ** 0.07)  # room for the mark
                 margin_mark(panel.ax, published_ratio(results, panel.state))
             else:
                 published_mark(panel.ax, [sweep.published], [published_ratio(results, panel.state)])
@@ -127,7 +128,7 @@ def draw_specification_curve(results: Results) -> Drawing:
                     panel.ax.text(0.04, 0.95, f"{100 * np.mean(ratios < 1):.0f} % < 1", transform=panel.ax.transAxes,
                                   color=look["color"], verticalalignment="top", fontsize=8)  # fmt: skip
             margin_mark(panel.ax, published_ratio(results, panel.state))
-            panel.ax.set(xlim=(0, 100), xticks=(0, 25, 50, 75, 100))
+            panel.ax.set(xlim=(0, 109), xticks=(0, 25, 50, 75, 100))
         for panel in row:
             ratio_axis(panel.ax, "y", reach_of(*drawn))
     figure.supxlabel("parameter sets, sorted by their ratio (%)", fontsize=8.5)
