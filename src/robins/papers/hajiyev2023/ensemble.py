@@ -72,9 +72,17 @@ def residuals(parameters: Parameters, draws: Draws, ensemble: Ensemble, xi: np.n
     return arrays | {f"sd.{name}": deviation for name, deviation in known.items()}
 
 
-def diverged(record: Record, errors: np.ndarray, bound: float) -> np.ndarray:
-    """True for the runs that failed: in the algebra, or by an error beyond the scenario's bound. Shape (runs,)."""
-    return (record.failed >= 0) | (np.nanmax(np.abs(errors), axis=(1, 2), initial=0.0) > bound)
+def diverged(record: Record, errors: np.ndarray, score: np.ndarray, bound: float) -> np.ndarray:
+    """True for the runs that failed: in the algebra, by an error beyond the scenario's bound, or by a score that is not finite.
+
+    Parameters
+    ----------
+    errors : ndarray, shape (runs, N, 8)
+        NaN where there is no estimate.
+    score : ndarray, shape (runs, 8)
+    """
+    beyond = np.nanmax(np.abs(errors), axis=(1, 2), initial=0.0) > bound
+    return (record.failed >= 0) | beyond | ~np.all(np.isfinite(score), axis=1)
 
 
 def epoch_mean(values: np.ndarray) -> np.ndarray:
@@ -95,9 +103,9 @@ def scores(form: Filter, record: Record, ensemble: Ensemble, parameters: Paramet
             continue
         errors = getattr(record, moment) - ensemble.x
         rmse = window_rms(errors, first, last, parameters.fault_length)  # (29) hajiyev2023: 71 terms over 70
-        failed = diverged(record, errors, parameters.divergence)
+        failed = diverged(record, errors, rmse, parameters.divergence)
         reasons = np.where(record.failed >= 0, [f"no Cholesky factor or not finite at epoch {k}" for k in record.failed],
-                           np.where(failed, f"error beyond {parameters.divergence:g}", ""))  # fmt: skip
+                           np.where(failed, f"error beyond {parameters.divergence:g} or not finite", ""))  # fmt: skip
         frames.append(pd.DataFrame({
             "run": np.repeat(np.fromiter(runs, int), 8),
             "estimate": kind,

@@ -131,7 +131,8 @@ def pair_errors(forms: dict[str, Filter], parameters: Parameters, matrices: Syst
         estimates = {name: record.posterior} | ({f"{name} delayed": record.delayed} if form.delayed == "delayed" else {})
         for key, estimate in estimates.items():
             errors = estimate - ensemble.x
-            results[key] = (window_rms(errors, first, last, parameters.fault_length), diverged(record, errors, parameters.divergence))
+            rmse = window_rms(errors, first, last, parameters.fault_length)
+            results[key] = (rmse, diverged(record, errors, rmse, parameters.divergence))
     return results
 
 
