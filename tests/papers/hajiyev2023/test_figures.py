@@ -230,6 +230,13 @@ def test_settings_of_the_fault_off_the_curve_stand_beside_it(results_for):
     assert set(beside["setting"]) == set(figures_sweeps.SPECIAL)
 
 
+@pytest.mark.parametrize("name", ["extra-window", "extra-tau-duration"])
+def test_a_sweep_fills_its_panels(name, drawing_of):
+    for ax in drawing_of(name).axes:
+        places = ax.transData.transform(np.column_stack([ax.lines[0].get_xdata(), np.ones(len(ax.lines[0].get_xdata()))]))[:, 0]
+        assert np.ptp(places) > 0.8 * ax.get_window_extent().width
+
+
 def test_the_schematic_says_for_every_filter_what_the_registry_says():
     drawing = schematics.draw_filters(None)
     shown = {text.get_text() for text in drawing.axes[0].texts}

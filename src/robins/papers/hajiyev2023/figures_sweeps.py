@@ -82,7 +82,8 @@ def sweep_grid(figure: FigureBase, results: Results, sweep: Sweep) -> None:
             panel.ax.set_xticks(ticks, words)
             limits = panel.ax.get_xlim()
             if sweep.published is None:
-                limits = (limits[0], limits[1] * (limits[1] / limits[0]) ** 0.07)  # room for the mark
+                span = sweep.ticks[-1] / sweep.ticks[0]
+                limits = (sweep.ticks[0] * span**-0.05, sweep.ticks[-1] * span**0.12)  # room for the mark
                 margin_mark(panel.ax, published_ratio(results, panel.state))
             else:
                 published_mark(panel.ax, [sweep.published], [published_ratio(results, panel.state)])
