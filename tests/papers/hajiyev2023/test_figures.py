@@ -19,7 +19,8 @@ from robins.evaluate.published import read_published
 from robins.navigation.aircraft import STATES
 from robins.papers.hajiyev2023 import PAPER, figures_epochs, figures_study, figures_sweeps, panels, schematics
 from robins.papers.hajiyev2023.figures import FIGURES
-from robins.papers.hajiyev2023.scenario import BRANCHES, baseline
+from robins.papers.hajiyev2023.scenario import BRANCHES
+from robins.papers.hajiyev2023.studies import ADAPTED
 from robins.papers.hajiyev2023.variants import VARIANTS
 from robins.papers.protocol import Output, Results, Settings
 from robins.publish import style
@@ -190,7 +191,7 @@ def test_the_overview_marks_the_ratios_of_table_one(drawing_of):
 
 def test_the_lateral_panels_show_both_branches_since_their_ratios_agree(results_for, drawing_of):
     drawing_of("extra-overview")
-    logs = panels.paired_logs(results_for(BY_NAME["extra-overview"]), panels.ADAPTED)
+    logs = panels.paired_logs(results_for(BY_NAME["extra-overview"]), ADAPTED)
     for state in STATES[4:]:
         np.testing.assert_allclose(logs["deg", "fault", state], logs["rad", "fault", state], atol=1e-7)
 
@@ -201,15 +202,9 @@ def test_a_failed_run_leaves_the_pair(results_for, outputs):
     table = results.table("amdkf-printed").copy()
     table.loc[(table["run"] == 3), ["failed", "rmse"]] = [True, np.nan]
     broken = {"amdkf-printed": Output(table), "mdkf-printed": results.output("mdkf-printed")}
-    logs = panels.paired_logs(Results(results.settings, results.published, broken.__getitem__), panels.ADAPTED)
+    logs = panels.paired_logs(Results(results.settings, results.published, broken.__getitem__), ADAPTED)
     assert {len(values) for values in logs.values()} == {SIZES["runs"] - 1}
     assert np.isfinite(np.concatenate(list(logs.values()))).all()
-
-
-def test_the_fault_alone_gives_the_scale_factors_of_the_brief():
-    for branch in BRANCHES:
-        expected = figures_epochs.fault_scale(baseline(branch), "f4c")
-        np.testing.assert_allclose(list(expected.values()), [55.9, 13.6], atol=0.25)
 
 
 def test_the_published_error_of_w_implies_the_angles_of_the_brief(results_for):
@@ -225,7 +220,7 @@ def test_curves_that_end_together_share_a_label():
 
 def test_settings_of_the_fault_off_the_curve_stand_beside_it(results_for):
     results = results_for(BY_NAME["extra-fault-multiplier"])
-    curve, beside = figures_sweeps.sweep_points(results.table("sweep-deg"), figures_sweeps.MULTIPLIER, panels.ADAPTED, "q")
+    curve, beside = figures_sweeps.sweep_points(results.table("sweep-deg"), figures_sweeps.MULTIPLIER, ADAPTED, "q")
     assert list(curve["value"]) == [1, 2, 4, 8, 16, 32]
     assert set(beside["setting"]) == set(figures_sweeps.SPECIAL)
 

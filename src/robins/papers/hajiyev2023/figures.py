@@ -7,11 +7,11 @@ from robins.papers.hajiyev2023 import figures_epochs as epochs
 from robins.papers.hajiyev2023 import figures_study as study
 from robins.papers.hajiyev2023 import figures_sweeps as sweeps
 from robins.papers.hajiyev2023 import schematics
+from robins.papers.hajiyev2023.comparisons import AMDKF, MDKF
 from robins.papers.hajiyev2023.panels import NAMES, SUBSTITUTE
 from robins.papers.hajiyev2023.scenario import BRANCHES
 from robins.papers.protocol import Figure
 
-MDKF, AMDKF = epochs.MDKF, epochs.AMDKF
 OPEN_DIAMOND = "Open diamond: the published value, one run. "
 LOOK_AHEAD = "AMDKF/MDKF compares estimates of x(k) from z(0) to z(k+1), AAKF/AKF from z(0) to z(k). "
 RUNS = f"Runs 0 to n-1; {SUBSTITUTE}."
@@ -55,9 +55,7 @@ def schematic(name: str, title: str, draw, caption: str) -> Figure:
 
 
 SWEEPS = tuple(f"sweep-{branch}" for branch in BRANCHES)
-SWEEP_CAPTION = (
-    "Geometric mean of the paired ratios with its 95 % interval (shaded), all else as in the baseline, fault on. " + LOOK_AHEAD
-)
+SWEEP_CAPTION = "Geometric mean of the paired ratios with its 95 % interval (shaded), all else as in the baseline, fault on. " + LOOK_AHEAD
 
 FIGURES = (
     *(state_figure(number, branch) for branch in BRANCHES for number in range(1, 9)),

@@ -10,24 +10,21 @@ from scipy.stats import chi2
 
 from robins.evaluate.intervals import LEVEL, Z
 from robins.navigation.aircraft import STATES
+from robins.papers.hajiyev2023.comparisons import AMDKF, LATERAL, MDKF, expected_scale, labelled, unit
 from robins.papers.hajiyev2023.panels import (
     FAULT,
-    LATERAL,
     NAMES,
     SYMBOLS,
     Panel,
     headline,
     line_of,
-    shown,
     state_grid,
-    unit,
 )
-from robins.papers.hajiyev2023.scenario import BRANCHES, Q_CHANNEL, THETA_CHANNEL, Parameters, baseline, differenced, system
+from robins.papers.hajiyev2023.scenario import BRANCHES
 from robins.papers.hajiyev2023.variants import VARIANTS
 from robins.papers.protocol import Results
 from robins.publish import style
 
-MDKF, AMDKF = "mdkf-printed", "amdkf-printed"
 TRANSIENT = 10
 """Epochs that do not decide an axis's limits: the first guess is forgotten meanwhile."""
 BRANCH_WORDS = {"deg": "angles read in degrees", "rad": "angles read in radians"}
@@ -56,7 +53,7 @@ def state_limits(results: Results, state: str, branch: str) -> tuple[tuple[float
     low, high = np.nanmin(np.concatenate(levels)), np.nanmax(np.concatenate(levels))
     edge = 0.08 * (high - low)
     half = 1.08 * np.nanmax(np.abs(np.concatenate(errors)))
-    return tuple(shown([low - edge, high + 2.5 * edge], state, branch)), float(shown(half, state, branch))
+    return tuple(labelled([low - edge, high + 2.5 * edge], state, branch)), float(labelled(half, state, branch))
 
 
 def draw_state(results: Results, variant: str, state: str, branch: str) -> Drawing:
@@ -64,7 +61,7 @@ def draw_state(results: Results, variant: str, state: str, branch: str) -> Drawi
     arrays, i, look = results.arrays(variant), STATES.index(state), style.family(VARIANTS[variant].family)
 
     def of(what):
-        return shown(arrays[f"{branch}.fault.{what}"][..., i], state, branch)[..., :-1]  # mu(N) needs z(N+1): no estimate at N
+        return labelled(arrays[f"{branch}.fault.{what}"][..., i], state, branch)[..., :-1]  # mu(N) needs z(N+1): no estimate at N
 
     truth, estimate, sd, quantiles = of("truth0"), of("estimate0"), of("sd0"), of("error_quantiles")
     k = np.arange(len(truth))
@@ -89,14 +86,6 @@ def draw_state(results: Results, variant: str, state: str, branch: str) -> Drawi
     return figure
 
 
-def fault_scale(parameters: Parameters, plant: str) -> dict[int, float]:
-    """Scale factors of the faulty channels that the fault alone would give (brief, T12), by channel."""
-    d = differenced(system(parameters, plant))
-    sensor, noise = np.diag(d.R_sensor), np.diag(d.R_process + d.R_sensor)
-    factors = {Q_CHANNEL: parameters.multiplier_q, THETA_CHANNEL: parameters.multiplier_theta}
-    return {i: 1 + (factor**2 - 1) * sensor[i] / noise[i] for i, factor in factors.items()}
-
-
 def draw_scale_factors(results: Results) -> Drawing:
     """F10: the printed AMDKF's scale factors, channel by channel, with and without the fault."""
     arrays, look = results.arrays(AMDKF), line_of(AMDKF)
@@ -109,9 +98,9 @@ def draw_scale_factors(results: Results) -> Drawing:
         panel.ax.fill_between(k, low, high, color=look["color"], alpha=0.22, linewidth=0, label="with the fault, 5 % to 95 % of runs")
         panel.ax.plot(k, middle, color=look["color"], label="with the fault, median")
         panel.ax.plot(k, healthy[2], color=style.BLACK, linestyle=":", linewidth=1.0, label="no fault, 95 %")
-        expected = fault_scale(baseline(panel.branch), results.settings.options["plant"])
-        if panel.index in expected:
-            panel.ax.hlines(expected[panel.index], *FAULT, color=style.BLACK, linestyle="--", linewidth=1.0)
+        expected = expected_scale(results, panel.branch)
+        if panel.state in expected:
+            panel.ax.hlines(expected[panel.state], *FAULT, color=style.BLACK, linestyle="--", linewidth=1.0)
         panel.ax.set(yscale="log", ylim=(0.8, 200), xlim=(0, k[-1]))
         plain_log(panel.ax, (1, 10, 100))
         panel.ax.xaxis.set_major_locator(FixedLocator([0, 80, 150, 200]))
@@ -191,7 +180,7 @@ def draw_convergence(results: Results) -> Drawing:
         for name in (MDKF, "akf"):
             look = style.family(VARIANTS[name].family)
             for what, line in (("sd_mean", "-"), ("rms_error", (0, (2, 1)))):
-                values = shown(results.arrays(name)[f"{panel.branch}.healthy.{what}"][:-1, panel.index], panel.state, panel.branch)
+                values = labelled(results.arrays(name)[f"{panel.branch}.healthy.{what}"][:-1, panel.index], panel.state, panel.branch)
                 words = {"sd_mean": "its own $\\sqrt{P_{ii}}$", "rms_error": "rms error of the runs"}[what]
                 panel.ax.plot(np.arange(len(values)), values, color=look["color"], linestyle=line, label=f"{VARIANTS[name].label}: {words}")
         panel.ax.set(yscale="log", xlim=(0, 200), xticks=(0, 80, 150),

@@ -1,6 +1,5 @@
 """Figures of ratios at the baseline: what adaptation does to each state's error, and how far one run may stray."""
 
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as Drawing
@@ -9,12 +8,11 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
 from robins.navigation.aircraft import STATES, continuous_matrices
+from robins.papers.hajiyev2023.comparisons import FAULTY, MDKF, labelled, published_ratio, published_rmse, scores
 from robins.papers.hajiyev2023.panels import (
-    ADAPTED,
     CORRECTED,
     NAMES,
     PAIR_WORDS,
-    PLAIN,
     PUBLISHED,
     SYMBOLS,
     family_of,
@@ -22,21 +20,19 @@ from robins.papers.hajiyev2023.panels import (
     paired_logs,
     published_handle,
     published_mark,
-    published_ratio,
-    published_rmse,
     ratio_axis,
     ratio_interval,
     reach_of,
     rows_of_panels,
     state_grid,
 )
-from robins.papers.hajiyev2023.scenario import BRANCHES, baseline, load_plant
+from robins.papers.hajiyev2023.scenario import BRANCHES, load_plant
+from robins.papers.hajiyev2023.studies import ADAPTED, PLAIN
 from robins.papers.hajiyev2023.variants import VARIANTS
 from robins.papers.protocol import Results
 from robins.publish import style
 
 CENTRAL = (0.025, 0.975)
-FAULTY = ("q", "theta")
 
 
 def state_rows(ax: Axes, names: bool) -> None:
@@ -172,7 +168,7 @@ def draw_units(results: Results) -> Drawing:
     ratio_axis(left, "x", 300.0)
     left.grid(False, axis="y")
     left.tick_params(axis="y", length=0)
-    drawn, look = [], style.family(VARIANTS["mdkf-printed"].family)
+    drawn, look = [], style.family(VARIANTS[MDKF].family)
     for i, state in enumerate(STATES):
         for branch, shift in zip(BRANCHES, (-0.17, 0.17), strict=True):
             values = level_ratios(results, state, branch)
@@ -191,6 +187,5 @@ def draw_units(results: Results) -> Drawing:
 
 def level_ratios(results: Results, state: str, branch: str) -> np.ndarray:
     """RMSE of our MDKF with the fault over the published one, run by run, the published number read in the branch's unit."""
-    table = results.table("mdkf-printed")
-    chosen = table[(table["branch"] == branch) & (table["condition"] == "fault") & (table["state"] == state) & ~table["failed"]]
-    return chosen["rmse"].to_numpy() / baseline(branch).unit[STATES.index(state)] / published_rmse(results, state, "MDKF")
+    seen = scores(results, MDKF, branch, "fault")
+    return labelled(seen.rmse[~seen.failed, STATES.index(state)], state, branch) / published_rmse(results, state, "MDKF")

@@ -9,17 +9,14 @@ from matplotlib.figure import FigureBase
 from matplotlib.lines import Line2D
 from matplotlib.ticker import NullLocator
 
+from robins.papers.hajiyev2023.comparisons import published_ratio
 from robins.papers.hajiyev2023.panels import (
-    ADAPTED,
-    AUGMENTED,
     PAIR_WORDS,
-    PLAIN,
     family_of,
     headline,
     margin_mark,
     published_handle,
     published_mark,
-    published_ratio,
     ratio_axis,
     ratio_interval,
     reach_of,
@@ -27,6 +24,7 @@ from robins.papers.hajiyev2023.panels import (
     state_grid,
 )
 from robins.papers.hajiyev2023.scenario import BRANCHES
+from robins.papers.hajiyev2023.studies import ADAPTED, AUGMENTED, PLAIN
 from robins.papers.protocol import Results
 from robins.publish import style
 

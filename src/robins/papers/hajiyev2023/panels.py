@@ -4,16 +4,16 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
-import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, FigureBase
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
 from robins.evaluate.intervals import TIE, log_interval
-from robins.evaluate.published import published_value
-from robins.navigation.aircraft import ANGULAR, STATES
+from robins.navigation.aircraft import STATES
+from robins.papers.hajiyev2023.comparisons import LATERAL, LONGITUDINAL, cases, scores
 from robins.papers.hajiyev2023.scenario import BRANCHES, baseline
+from robins.papers.hajiyev2023.studies import ADAPTED, AUGMENTED, PLAIN
 from robins.papers.hajiyev2023.variants import VARIANTS
 from robins.papers.protocol import Results
 from robins.publish import style
@@ -23,9 +23,7 @@ PUBLISHED = "published (one run)"
 SYMBOLS = dict(zip(STATES, ("$u$", "$w$", "$q$", r"$\theta$", r"$\beta$", "$p$", "$r$", r"$\phi$"), strict=True))
 NAMES = dict(zip(STATES, ("forward velocity", "vertical velocity", "pitch rate", "pitch angle", "sideslip", "roll rate", "yaw rate",
                           "roll angle"), strict=True))  # fmt: skip
-LONGITUDINAL, LATERAL = STATES[:4], STATES[4:]
-RATES = ("q", "p", "r")
-ADAPTED, PLAIN, CORRECTED, AUGMENTED = "amdkf-printed/mdkf-printed", "aakf/akf", "abh/bh", "akf/mdkf-printed"
+CORRECTED = "abh/bh"
 PAIR_WORDS = {
     ADAPTED: "AMDKF / MDKF as printed",
     CORRECTED: "ABH / BH (corrected)",
@@ -55,18 +53,6 @@ class Panel(NamedTuple):
     def index(self) -> int:
         """The state's index."""
         return STATES.index(self.state)
-
-
-def unit(state: str, branch: str) -> str:
-    """The unit in which a branch shows a state."""
-    if not ANGULAR[STATES.index(state)]:
-        return "m/s"
-    return branch + "/s" * (state in RATES)
-
-
-def shown(values, state: str, branch: str):
-    """`values` of a state, SI, in the unit of `unit`."""
-    return np.degrees(values) if ANGULAR[STATES.index(state)] and branch == "deg" else np.asarray(values)
 
 
 def line_of(variant: str, **changes) -> dict:
@@ -121,16 +107,6 @@ def reach_of(*values, margin: float = 1.12) -> float:
     return float(np.exp(np.max(logs[np.isfinite(logs)], initial=np.log(1.05)))) * margin
 
 
-def published_rmse(results: Results, state: str, kind: str) -> float:
-    """The RMSE of Table 1 as printed; `kind` is ``MDKF`` or ``AMDKF``."""
-    return published_value(results.published, f"C{STATES.index(state) + 1}", f"RMSE {state} {kind}")
-
-
-def published_ratio(results: Results, state: str) -> float:
-    """AMDKF over MDKF in Table 1."""
-    return published_rmse(results, state, "AMDKF") / published_rmse(results, state, "MDKF")
-
-
 def published_mark(ax: Axes, x, y):
     """Published values as open diamonds, behind our own marks so that neither hides the other."""
     marker = style.published_marker(ax, x, y, label=PUBLISHED)
@@ -155,13 +131,14 @@ def published_handle() -> Line2D:
 
 def paired_logs(results: Results, pair: str, estimate: str = "delayed") -> dict[tuple[str, str, str], np.ndarray]:
     """Log ratios of the RMSE of ``numerator/denominator``, the runs that survive in both, by (branch, condition, state)."""
-    keys = ["branch", "condition", "run", "state"]
-    numerator, denominator = (results.table(name) for name in pair.split("/"))
-    both = pd.merge(*(table[table["estimate"] == estimate][[*keys, "rmse", "failed"]] for table in (numerator, denominator)), on=keys)
-    both = both[~(both["failed_x"] | both["failed_y"])]
-    logs = np.log(both["rmse_x"]) - np.log(both["rmse_y"])
-    logs = logs.where(logs.abs() >= TIE, 0.0)
-    return {key: values.to_numpy() for key, values in logs.groupby([both["branch"], both["condition"], both["state"]])}
+    logs = {}
+    for branch, condition in cases():
+        above, below = (scores(results, name, branch, condition, estimate) for name in pair.split("/"))
+        survived = ~(above.failed | below.failed)
+        values = np.log(above.rmse[survived]) - np.log(below.rmse[survived])
+        values[np.abs(values) < TIE] = 0.0
+        logs |= {(branch, condition, state): values[:, i] for i, state in enumerate(STATES)}
+    return logs
 
 
 def ratio_interval(logs: np.ndarray) -> np.ndarray:
