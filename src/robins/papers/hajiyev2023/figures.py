@@ -107,7 +107,7 @@ FIGURES = (
     extra(
         "nis", "Normalised innovation squared", epochs.draw_nis, epochs.CONSISTENT,
         "Mean over the runs at each step; a consistent filter stays in the band, the central 95 % of a chi-square mean with 8 degrees of "
-        "freedom. With the fault the MDKF lies below the BH, and the Oracle is told the fault. " + RUNS,
+        "freedom. With the fault the line of the MDKF is mostly hidden by that of the BH; the Oracle is told the fault. " + RUNS,
     ),
     extra(
         "single-seed-ratios", "What a single run may show", study.draw_single_seed_ratios, (AMDKF, MDKF),
