@@ -5,6 +5,7 @@ import pytest
 from scipy.stats import chi2
 
 from robins.kalman.tuning import GATED, covariance_matching, matching
+from robins.kalman.weights import weighting
 from robins.papers.hajiyev2023.estimators import (
     augmented,
     classical,
@@ -109,6 +110,16 @@ def test_oracle_scales_the_noise_of_two_channels_while_the_fault_lasts(problem):
     expected = np.ones((201, 8))
     expected[80:151, Q_CHANNEL], expected[80:151, THETA_CHANNEL] = 1 / 64, 1 / 25
     np.testing.assert_allclose(weights, expected, rtol=1e-15)
+
+
+def test_oracle_told_through_the_weight_function_is_the_oracle(problem):
+    """Two roads: gains computed beforehand, and the weights handed to the filter update by update."""
+    case = problem(3)
+    form = oracle(case.matrices, case.parameters, "fault")
+    told = case.run(form._replace(weights=weighting("known", memory=form.weights)), "fault")
+    planned = case.run(form, "fault")
+    np.testing.assert_allclose(told.posterior, planned.posterior, rtol=0, atol=1e-10)
+    np.testing.assert_allclose(told.nis, planned.nis, rtol=1e-10)
 
 
 @pytest.mark.parametrize(("threshold", "reference"), [(1e12, ""), (0.0, "per-channel")], ids=["never", "always"])
