@@ -8,10 +8,12 @@ installed plug-in (entry points, see `robins.plugins`): any edit opens a new, em
 
 import hashlib
 import os
+import re
 import shutil
 import sys
 import tempfile
 import warnings
+from contextlib import suppress
 from pathlib import Path
 
 import numba
@@ -47,9 +49,16 @@ def user_cache() -> Path:
 
 
 def prune(parent: Path, keep: Path) -> None:
-    """Delete all but the `KEPT_CACHES` most recently used caches in `parent`; never `keep`."""
-    caches = sorted((p for p in parent.iterdir() if p.is_dir() and p != keep), key=lambda p: p.stat().st_mtime, reverse=True)
-    for stale in caches[KEPT_CACHES:]:
+    """Delete all but the `KEPT_CACHES` most recently used caches in `parent`; never `keep`, nor a folder that is not a cache.
+
+    Other processes may prune at the same time, so a folder may vanish at any moment.
+    """
+    used = {}
+    for folder in parent.iterdir():
+        if folder != keep and re.fullmatch("[0-9a-f]{16}", folder.name):
+            with suppress(FileNotFoundError):
+                used[folder] = folder.stat().st_mtime
+    for stale in sorted(used, key=used.get, reverse=True)[KEPT_CACHES:]:
         shutil.rmtree(stale, ignore_errors=True)
 
 
