@@ -11,6 +11,17 @@ from numba import njit
 
 
 @njit(cache=True)
+def assign(A, out):
+    """``out = A`` for two matrices of one shape.
+
+    A loop, because ``out[:] = A`` makes every caller compile the text of a shape error, which takes seconds.
+    """
+    for i in range(A.shape[0]):
+        for j in range(A.shape[1]):
+            out[i, j] = A[i, j]
+
+
+@njit(cache=True)
 def multiply(A, B, out):
     """``out = A B`` for shapes ``(n, k)``, ``(k, m)``, ``(n, m)``; skips zeros of `A`."""
     n, inner = A.shape

@@ -1,7 +1,7 @@
 """Kalman filters: predict, weigh, update. A robust filter is the one update with other weights.
 
 Importing this package registers the weights of `robins.kalman.weights` and `robins.kalman.tuning`, then
-those of installed plug-ins, always in this order: the order is part of the compiled filters.
+those of installed plug-ins, always in this order: the order is part of the compiled filters. Then the list is closed.
 """
 
 from robins import plugins
@@ -11,3 +11,4 @@ __all__ = ["tuning", "weights"]
 
 for _entry in plugins.found(plugins.WEIGHTS):
     _entry.load()
+weights.close_list()

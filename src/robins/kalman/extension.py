@@ -13,7 +13,8 @@ A model is a `typing.NamedTuple` of numbers and arrays. Registering its kernels 
 `entry_point` compiles the few functions that Python calls. Their machine code is cached on disk for
 kernels of this package and of installed plug-ins, whose sources name the cache folder; kernels that
 come from anywhere else (a script, a notebook, a test) are compiled afresh in every process, because an
-edit in them could not be noticed.
+edit in them could not be noticed. A type's kernels are registered once: a filter that is compiled keeps
+those that it was compiled with.
 """
 
 import functools
@@ -27,7 +28,7 @@ from robins import plugins
 
 _kernels: dict[tuple[str, type], object] = {}
 _loose_ends: set[str] = set()
-_PACKAGE = Path(__file__).parents[1]
+_PACKAGE = Path(__file__).resolve().parents[1]
 
 
 @functools.cache
@@ -40,17 +41,25 @@ def is_covered(module: str) -> bool:
     return path.is_relative_to(_PACKAGE) or path in {file.resolve() for file in plugins.source_files()}
 
 
-def note_kernel(kernel) -> None:
-    """Remember whether `kernel` lies outside the covered sources; every entry point is then compiled afresh."""
+def note_kernel(kernel, covered: bool = True) -> None:
+    """Remember `kernel` where it lies outside the covered sources or is not `covered`; entry points are then compiled afresh."""
     module = kernel.py_func.__module__
-    if not is_covered(module):
-        _loose_ends.add(f"{module}.{kernel.py_func.__qualname__}.{len(_loose_ends)}")
+    if not (covered and is_covered(module)):
+        _loose_ends.add(f"{module}.{kernel.py_func.__qualname__}")
 
 
 def implements(generic, model_type: type):
-    """Decorator: register a compiled kernel as the implementation of `generic` for `model_type`."""
+    """Decorator: register a compiled kernel as the implementation of `generic` for `model_type`.
+
+    Raises
+    ------
+    ValueError
+        There is one already.
+    """
 
     def register(kernel):
+        if (generic.__name__, model_type) in _kernels:
+            raise ValueError(f"{model_type.__name__} has a kernel for {generic.__name__} already")
         _kernels[generic.__name__, model_type] = kernel
         note_kernel(kernel)
         return kernel
@@ -59,7 +68,13 @@ def implements(generic, model_type: type):
 
 
 def kernel_of(generic: str, model):
-    """The kernel of `generic` for a Numba type or a Python value; a plain error when there is none."""
+    """The kernel of `generic` for a Numba type or a Python value.
+
+    Raises
+    ------
+    TypingError
+        There is none; the message says how to register it.
+    """
     model_type = getattr(model, "instance_class", None) or type(model)
     try:
         return _kernels[generic, model_type]
@@ -68,18 +83,15 @@ def kernel_of(generic: str, model):
 
 
 def entry_point(function):
-    """Compile `function` with the disk cache, or without it while a kernel outside the covered sources is registered."""
-    cached = njit(cache=True)(function)
-    fresh = {}
+    """Compile `function` with the disk cache, or without it while a kernel outside the covered sources is registered.
+
+    ``.dispatcher`` of the result is the cached one.
+    """
+    cached, fresh = njit(cache=True)(function), njit(function)
 
     @functools.wraps(function)
     def call(*arguments):
-        if not _loose_ends:
-            return cached(*arguments)
-        version = len(_loose_ends)
-        if version not in fresh:
-            fresh[version] = njit(function)
-        return fresh[version](*arguments)
+        return fresh(*arguments) if _loose_ends else cached(*arguments)
 
     call.dispatcher = cached
     return call

@@ -13,10 +13,10 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from robins.foundation.smallmat import multiply, solve_rows, times_vector, whiten
+from robins.foundation.smallmat import assign, multiply, solve_rows, times_vector, whiten
 from robins.kalman.differencing import correlate_prediction
 from robins.kalman.extension import entry_point
-from robins.kalman.model import linearise_observation, observe
+from robins.kalman.model import linearise_observation, observe, propagate
 from robins.kalman.predict import predict
 from robins.kalman.update import innovation_covariance, update, workspace
 from robins.kalman.weights import weigh
@@ -33,11 +33,13 @@ class Record(NamedTuple):
     prior_variance, posterior_variance, delayed_variance : ndarray, shape (runs, N, r)
         The filter's own variances of these (one run only where they are the same for all).
     innovation, innovation_variance, weights, gain_norm : ndarray, shape (runs, N, m)
-        Innovation, diagonal of S, weights, Euclidean norm of the gain's columns; NaN where nothing was processed.
+        Innovation, diagonal of S (infinite for a channel of weight zero), weights, Euclidean norm of the gain's
+        columns; NaN where nothing was processed.
     nis : ndarray, shape (runs, N)
         Normalised innovation squared.
     failed : ndarray of int, shape (runs,)
-        Epoch at which the run failed (a covariance without Cholesky factor or a state that is not finite), or -1.
+        Epoch whose update or prediction failed (a covariance without Cholesky factor; a state, a variance, an
+        innovation or a weight that is not finite), or -1. What would have followed is NaN.
     """
 
     prior: np.ndarray
@@ -68,10 +70,17 @@ def empty_record(runs, epochs, states, channels, variances):
 
 
 @njit(cache=True)
-def record_moments(x, P, states, variances):
-    """Copy the leading states and their variances out."""
+def record_states(x, states):
+    """Copy the leading states out."""
     for i in range(states.size):
         states[i] = x[i]
+
+
+@njit(cache=True)
+def record_moments(x, P, states, variances):
+    """Copy the leading states and their variances out."""
+    record_states(x, states)
+    for i in range(states.size):
         variances[i] = P[i, i]
 
 
@@ -99,10 +108,10 @@ def record_delayed(work, states, variances, earlier, earlier_variances):
 
 
 @njit(cache=True)
-def is_finite(x):
-    """Whether every element is finite."""
-    for value in x:
-        if not np.isfinite(value):
+def is_sound(x, P):
+    """Whether the state and its variances are finite."""
+    for i in range(x.size):
+        if not (np.isfinite(x[i]) and np.isfinite(P[i, i])):
             return False
     return True
 
@@ -126,17 +135,24 @@ def run_filter(predictor, model, sensor, weighting, x0, P0, controls, measuremen
     states : int
         How many leading states to record.
     delayed : bool
-        Whether to record the one-step-delayed estimate (needs zero cross-covariances).
+        Whether to record the one-step-delayed estimate.
 
     Returns
     -------
     Record
+
+    Raises
+    ------
+    ValueError
+        The delayed estimate is asked for although a cross-covariance is not zero: its gain would be another.
     """
     runs, epochs, m = measurements.shape
     n = x0.shape[1]
     record = empty_record(runs, epochs, states, m, runs)
     work = workspace(n, m)
     at_update, at_prediction = np.any(sensor.C_update != 0.0), np.any(sensor.C_predict != 0.0)
+    if delayed and (at_update or at_prediction):
+        raise ValueError("the delayed estimate needs zero cross-covariances")
     predicted, predicted_noise = np.empty((m, m)), np.empty((n, m))
     weights, predicted_z = np.ones(m), np.empty(m)
     for run in range(runs):
@@ -152,11 +168,11 @@ def run_filter(predictor, model, sensor, weighting, x0, P0, controls, measuremen
                     work.innovation[i] = measurements[run, k, i] - predicted_z[i]
                     weights[i] = 1.0
                 if weighting.kind != 0:
-                    innovation_covariance(P, work.H, sensor.R_fixed, sensor.C_update, at_update, predicted_noise, predicted)
-                    weigh(weighting.kind, work.innovation, predicted, sensor.R, weighting.parameters, memory, updates, weights)
+                    innovation_covariance(P, work.H, sensor.R_fixed, sensor.C_update, at_update, weights, predicted_noise, predicted)
+                    weigh(weighting, work.innovation, predicted, sensor.R, memory, updates, weights)
                 nis = update(x, P, work.innovation, work.H, sensor.R, sensor.R_fixed, sensor.C_update, at_update, weights, work)
                 updates += 1
-                if np.isnan(nis) or not is_finite(x):
+                if np.isnan(nis) or not is_sound(x, P):
                     record.failed[run] = k
                     break
                 record.nis[run, k] = nis
@@ -166,11 +182,12 @@ def run_filter(predictor, model, sensor, weighting, x0, P0, controls, measuremen
                                    record.posterior[run, k - 1], record.posterior_variance[run, k - 1])  # fmt: skip
             record_moments(x, P, record.posterior[run, k], record.posterior_variance[run, k])
             if k + 1 < epochs:
-                if not predict(predictor, model, x, P, controls[k], work):
+                predictable = predict(predictor, model, x, P, controls[k], work)
+                if predictable and at_prediction and valid[k]:
+                    correlate_prediction(x, P, sensor.C_predict, work)
+                if not (predictable and is_sound(x, P)):
                     record.failed[run] = k
                     break
-                if at_prediction and valid[k]:
-                    correlate_prediction(x, P, sensor.C_predict, work)
     return record
 
 
@@ -201,7 +218,7 @@ class Schedule(NamedTuple):
     weights : ndarray, shape (N, m)
     valid : ndarray of bool, shape (N,)
     failed : int
-        Epoch without a Cholesky factor, or -1.
+        Epoch whose update or prediction failed, or -1; the arrays hold zero or NaN from there on.
     """
 
     gain: np.ndarray
@@ -226,14 +243,18 @@ def schedule(predictor, model, sensor, P0, weights, valid, states, delayed):
     prior, posterior = np.full((epochs, n, n), np.nan), np.full((epochs, n, n), np.nan)
     work, x, P, u, failed = workspace(n, m), np.zeros(n), P0.copy(), np.zeros(model.B.shape[1]), -1
     at_update, at_prediction = np.any(sensor.C_update != 0.0), np.any(sensor.C_predict != 0.0)
+    if delayed and (at_update or at_prediction):
+        raise ValueError("the delayed estimate needs zero cross-covariances")
     for k in range(epochs):
-        prior[k] = P
+        assign(P, prior[k])
         if valid[k]:
             linearise_observation(sensor, x, u, work.H)
             if np.isnan(update(x, P, work.innovation, work.H, sensor.R, sensor.R_fixed, sensor.C_update, at_update, weights[k], work)):
                 failed = k
                 break
-            gain[k], factor[k], carry[k] = work.K, work.L, sensor.C_predict
+            assign(work.K, gain[k])
+            assign(work.L, factor[k])
+            assign(sensor.C_predict, carry[k])
             solve_rows(work.L, carry[k])
             if delayed and k > 0:
                 multiply(np.ascontiguousarray(work.FP.T[:states]), np.ascontiguousarray(work.H.T), delay[k - 1])
@@ -242,61 +263,99 @@ def schedule(predictor, model, sensor, P0, weights, valid, states, delayed):
                     whiten(work.L, delay[k - 1, i], white)
                     delayed_variance[k - 1, i] = posterior[k - 1, i, i] - np.sum(white * white)
                 solve_rows(work.L, delay[k - 1])
-        posterior[k] = P
+        assign(P, posterior[k])
         if k + 1 < epochs:
-            predict(predictor, model, x, P, u, work)
-            if at_prediction and valid[k]:
+            predictable = predict(predictor, model, x, P, u, work)
+            if predictable and at_prediction and valid[k]:
                 correlate_prediction(x, P, sensor.C_predict, work)
+            if not (predictable and is_sound(x, P)):
+                failed = k
+                break
     return Schedule(gain, carry, delay, factor, prior, posterior, delayed_variance, weights, valid, failed)
+
+
+@njit(cache=True)
+def record_plan(plan, record):
+    """Copy what a `Schedule` knows of every run out; what no epoch reached stays NaN."""
+    epochs, n, m = plan.gain.shape
+    for k in range(epochs):
+        for i in range(record.prior_variance.shape[2]):
+            record.prior_variance[0, k, i] = plan.prior_covariance[k, i, i]
+            record.posterior_variance[0, k, i] = plan.posterior_covariance[k, i, i]
+            record.delayed_variance[0, k, i] = plan.delayed_variance[k, i]
+        if not plan.valid[k] or np.isnan(plan.posterior_covariance[k, 0, 0]):
+            continue
+        for j in range(m):
+            variance, squared_gain = 0.0, 0.0
+            for b in range(j + 1):
+                variance += plan.factor[k, j, b] ** 2
+            for i in range(n):
+                squared_gain += plan.gain[k, i, j] ** 2
+            record.innovation_variance[0, k, j] = variance
+            record.weights[0, k, j] = plan.weights[k, j]
+            record.gain_norm[0, k, j] = np.sqrt(squared_gain)
+
+
+@njit(cache=True)
+def apply_gain(plan, k, innovation, x, record, run, delayed):
+    """Update `x` at epoch k of a `Schedule` and record it; False, with `x` as it was, when the innovation is not finite."""
+    m = innovation.size
+    white, shift = np.empty(m), np.empty(x.size)
+    for j in range(m):
+        record.innovation[run, k, j] = innovation[j]
+        if plan.weights[k, j] == 0.0:
+            innovation[j] = 0.0  # removed, whatever it is
+    whiten(plan.factor[k], innovation, white)
+    nis = 0.0
+    for j in range(m):
+        nis += white[j] * white[j]
+    if not np.isfinite(nis):
+        record.innovation[run, k] = np.nan
+        return False
+    record.nis[run, k] = nis
+    if delayed and k > 0:
+        times_vector(plan.delay[k - 1], innovation, record.delayed[run, k - 1])
+        for i in range(record.delayed.shape[2]):
+            record.delayed[run, k - 1, i] += record.posterior[run, k - 1, i]
+    times_vector(plan.gain[k], innovation, shift)
+    for i in range(x.size):
+        x[i] += shift[i]
+    return True
 
 
 @entry_point
 def run_schedule(plan, model, sensor, x0, controls, measurements, states, delayed):
-    """Apply a `Schedule` to every record of an ensemble; arguments and result as in `run_filter`."""
+    """Apply a `Schedule` to every record of an ensemble; arguments and result as in `run_filter`.
+
+    A schedule that failed fails every run, with no estimate at any epoch.
+    """
     runs, epochs, m = measurements.shape
     n = x0.shape[1]
     record = empty_record(runs, epochs, states, m, 1)
     record.failed[:] = plan.failed
-    for k in range(epochs):
-        for i in range(states):
-            record.prior_variance[0, k, i] = plan.prior_covariance[k, i, i]
-            record.posterior_variance[0, k, i] = plan.posterior_covariance[k, i, i]
-            record.delayed_variance[0, k, i] = plan.delayed_variance[k, i]
-        for j in range(m):
-            if plan.valid[k]:
-                record.innovation_variance[0, k, j] = np.sum(plan.factor[k, j] ** 2)
-                record.weights[0, k, j] = plan.weights[k, j]
-                record.gain_norm[0, k, j] = np.sqrt(np.sum(plan.gain[k, :, j] ** 2))
+    record_plan(plan, record)
     if plan.failed >= 0:
         return record
-    predicted_z, innovation, white, shift, moved = np.empty(m), np.empty(m), np.empty(m), np.empty(n), np.empty(n)
+    innovation, shift, P = np.empty(m), np.empty(n), np.zeros((n, n))
     for run in range(runs):
         x = x0[run].copy()
         for k in range(epochs):
-            u = controls[k]
-            record.prior[run, k] = x[:states]
+            record_states(x, record.prior[run, k])
             if plan.valid[k]:
-                observe(sensor, x, u, predicted_z)
+                observe(sensor, x, controls[k], innovation)
                 for j in range(m):
-                    innovation[j] = measurements[run, k, j] - predicted_z[j]
-                whiten(plan.factor[k], innovation, white)
-                record.nis[run, k] = np.sum(white * white)
-                record.innovation[run, k] = innovation
-                if delayed and k > 0:
-                    times_vector(plan.delay[k - 1], innovation, shift[:states])
-                    record.delayed[run, k - 1] = record.posterior[run, k - 1] + shift[:states]
-                times_vector(plan.gain[k], innovation, shift)
-                for i in range(n):
-                    x[i] += shift[i]
-            record.posterior[run, k] = x[:states]
+                    innovation[j] = measurements[run, k, j] - innovation[j]
+                if not apply_gain(plan, k, innovation, x, record, run, delayed):
+                    record.failed[run] = k
+                    break
+            record_states(x, record.posterior[run, k])
             if k + 1 < epochs:
-                moved[:] = x
-                times_vector(model.A, moved, x)
-                for i in range(n):
-                    for j in range(u.size):
-                        x[i] += model.B[i, j] * u[j]
+                propagate(model, x, controls[k])
                 if plan.valid[k]:
                     times_vector(plan.carry[k], innovation, shift)
                     for i in range(n):
                         x[i] += shift[i]
+                if not is_sound(x, P):
+                    record.failed[run] = k
+                    break
     return record

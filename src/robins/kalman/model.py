@@ -13,7 +13,7 @@ import numpy as np
 from numba import njit
 from numba.extending import overload
 
-from robins.foundation.smallmat import times_vector
+from robins.foundation.smallmat import assign, times_vector
 from robins.kalman.extension import implements, kernel_of
 
 
@@ -104,6 +104,7 @@ def linear_sensor(H, R, D=None, R_fixed=None, C_update=None, C_predict=None, inp
 @implements(propagate, LinearModel)
 @njit(cache=True)
 def propagate_linear(model, x, u):
+    """``x <- A x + B u``."""
     previous = x.copy()
     times_vector(model.A, previous, x)
     for i in range(x.size):
@@ -114,13 +115,15 @@ def propagate_linear(model, x, u):
 @implements(linearise, LinearModel)
 @njit(cache=True)
 def linearise_linear(model, x, u, F, Q):
-    F[:] = model.A
-    Q[:] = model.Q
+    """F = A and Q = Q, whatever the state."""
+    assign(model.A, F)
+    assign(model.Q, Q)
 
 
 @implements(observe, Sensor)
 @njit(cache=True)
 def observe_linear(sensor, x, u, z):
+    """``z = H x + D u``."""
     times_vector(sensor.H, x, z)
     for i in range(z.size):
         for j in range(u.size):
@@ -130,4 +133,5 @@ def observe_linear(sensor, x, u, z):
 @implements(linearise_observation, Sensor)
 @njit(cache=True)
 def linearise_observation_linear(sensor, x, u, H):
-    H[:] = sensor.H
+    """H = H, whatever the state."""
+    assign(sensor.H, H)

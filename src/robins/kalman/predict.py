@@ -9,7 +9,7 @@ import numpy as np
 from numba import njit
 from numba.extending import overload
 
-from robins.foundation.smallmat import cholesky, congruence, multiply
+from robins.foundation.smallmat import assign, cholesky, congruence, multiply
 from robins.kalman.model import linearise, propagate
 
 
@@ -34,10 +34,15 @@ def add_covariance(P, Q):
 
 
 def predict(predictor, model, x, P, u, work):
-    """Replace `x` and `P` by their predictions one step ahead; False when a covariance has no Cholesky factor.
+    """Replace `x` ``(n,)`` and `P` ``(n, n)`` by their predictions one step ahead with the input `u` ``(l,)``.
 
     Leaves the Jacobian in ``work.F`` and ``F P`` (the covariance between the predicted and the present state)
     in ``work.FP``; for the UKF ``work.FP`` is the same covariance by sigma points.
+
+    Returns
+    -------
+    bool
+        False when `P` has no Cholesky factor and sigma points are asked for; `x` and `P` are then as they were.
     """
     raise NotImplementedError("predict runs inside compiled code")
 
@@ -64,7 +69,7 @@ def _predict(predictor, model, x, P, u, work):
             centre, spread = ukf_constants(predictor, n)
             if not sigma_points(x, P, spread, work.T, work.points):
                 return False
-            work.A[:n] = work.points[1 : n + 1]  # columns before propagation, for the cross-covariance
+            assign(work.points[1 : n + 1], work.A)  # before propagation, for the cross-covariance
             before = x.copy()
             for point in work.points:
                 propagate(model, point, u)
@@ -90,8 +95,8 @@ def sigma_points(x, P, spread, root, points):
     if not cholesky(P, root):
         return False
     scale = np.sqrt(spread)
-    points[0] = x
     for i in range(n):
+        points[0, i] = x[i]
         for j in range(n):
             step = scale * root[j, i] if j >= i else 0.0
             points[1 + i, j] = x[j] + step
@@ -104,10 +109,10 @@ def sigma_moments(predictor, centre, spread, before, x, P, work):
     """Mean and covariance of the propagated sigma points into `x` and `P`, cross-covariance into ``work.FP``."""
     n, points, weight = x.size, work.points, 0.5 / spread
     for j in range(n):
-        total = centre * points[0, j]
+        total = 0.0  # the weights add up to one, so the mean is this far from the central point: no difference of millions
         for i in range(1, 2 * n + 1):
-            total += weight * points[i, j]
-        x[j] = total
+            total += weight * (points[i, j] - points[0, j])
+        x[j] = points[0, j] + total
     P[:] = 0.0
     work.FP[:] = 0.0
     for i in range(2 * n + 1):

@@ -39,17 +39,20 @@ def matching(window: int, channels: int, rule: int = PER_CHANNEL, threshold: flo
 def covariance_matching(innovation, predicted, R, parameters, memory, epoch, weights):
     """Weights 1/s_i with ``s_i = max(1, D_ii / R_ii)``, ``D = S_seen - predicted``.
 
-    ``S_seen`` is the mean of the outer products in the window, which is kept in `memory` as a ring.
+    ``S_seen`` is the mean of the outer products in the window, which is kept in `memory` as a ring. A channel
+    without noise (R_ii = 0) keeps its weight and takes no part in `SCALAR_MEAN`.
     Source: hajiyev2023 equations (19)-(23) for a diagonal R.
     """
     window, rule = int(parameters[0]), int(parameters[1])
-    memory[epoch % window] = innovation  # (19) hajiyev2023: the window includes the current innovation
+    for i in range(innovation.size):
+        memory[epoch % window, i] = innovation[i]  # (19) hajiyev2023: the window includes the current innovation
     seen_epochs = min(epoch + 1, window)
     if seen_epochs < parameters[3]:
         return
     m = innovation.size
     excess = np.empty(m)
     trace_excess, trace_noise, mean_ratio = 0.0, 0.0, 0.0
+    noisy = 0
     for i in range(m):
         seen = 0.0
         for j in range(seen_epochs):
@@ -58,14 +61,18 @@ def covariance_matching(innovation, predicted, R, parameters, memory, epoch, wei
         excess[i] = seen - predicted[i, i]  # (20), (21) hajiyev2023
         trace_excess += excess[i]
         trace_noise += R[i, i]
-        mean_ratio += excess[i] / R[i, i] / m
+        if R[i, i] > 0.0:
+            noisy += 1
+            mean_ratio += excess[i] / R[i, i]
         if rule == GATED and seen <= parameters[2] * (predicted[i, i] + R[i, i]):
             excess[i] = 0.0
     for i in range(m):
+        if R[i, i] <= 0.0:
+            continue  # nothing to scale
         if rule == SCALAR_TRACE:
             factor = trace_excess / trace_noise
         elif rule == SCALAR_MEAN:
-            factor = mean_ratio
+            factor = mean_ratio / noisy
         else:
             factor = excess[i] / R[i, i]
         weights[i] = 1.0 / max(1.0, factor)  # (22), (23) hajiyev2023

@@ -8,7 +8,8 @@ optional cross-covariance C between the predicted state's error and the measurem
     x <- x + K (z - h(x))
     P <- (I - K H) P (I - K H)^T + K R_bar K^T - (I - K H) C K^T - K C^T (I - K H)^T
 
-A weight of zero removes its channel exactly: its row of H, of R and of the innovation is left out.
+A weight of zero removes its channel exactly: its row of H, of R and of the innovation and its column of C are
+left out of every sum.
 
 References: Bucy & Joseph 1968 (covariance form); Simon 2006, Optimal State Estimation, section 7.1 (correlated noise).
 """
@@ -18,14 +19,18 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from robins.foundation.smallmat import cholesky, congruence, multiply, solve_rows, times_vector, whiten
+from robins.foundation.smallmat import cholesky, congruence, multiply, solve_rows, whiten
 
 
 class Workspace(NamedTuple):
     """Arrays that a filter of n states and m measurements works in; one for each run.
 
     After `update`: `K` gain, `S` innovation covariance, `L` its lower Cholesky factor, `white` the
-    innovation whitened by it. After `predict`: `F` transition Jacobian, `FP` = F P.
+    innovation whitened by it. A channel of weight zero has an infinite diagonal element in `S` and `L` and zeros
+    beside it, so that whitening by `L` removes it from whatever comes next; its gain is zero.
+    After `predict`: `F` transition Jacobian, `FP` = F P, the covariance between the predicted and the earlier state.
+
+    `H` and `innovation` are the caller's to fill; the other arrays are scratch.
     """
 
     F: np.ndarray
@@ -59,60 +64,74 @@ def workspace(n, m):
 
 @njit(cache=True)
 def weighted_noise(R, R_fixed, weights, out):
-    """``out = R^1/2 diag(1/w) R^T/2 + R_fixed`` with the lower Cholesky factor as root; all ``(m, m)``, every w > 0.
+    """``out = R^1/2 diag(1/w) R^T/2 + R_fixed`` with the lower Cholesky factor as root; all ``(m, m)``.
 
-    Returns False when `R` is neither diagonal nor positive definite.
+    A channel of weight zero is left out: its row and column are those of the unit matrix. Returns False when the rest
+    of `R` is neither diagonal nor positive definite.
     """
     m = R.shape[0]
     diagonal = True
     for i in range(m):
         for j in range(m):
-            out[i, j] = R_fixed[i, j]
-            if i != j and R[i, j] != 0.0:
+            kept = weights[i] > 0.0 and weights[j] > 0.0
+            out[i, j] = R_fixed[i, j] if kept else 0.0
+            if kept and i != j and R[i, j] != 0.0:
                 diagonal = False
     if diagonal:
         for i in range(m):
-            out[i, i] += R[i, i] / weights[i]
+            out[i, i] += R[i, i] / weights[i] if weights[i] > 0.0 else 1.0
         return True
-    root = np.zeros((m, m))
-    if not cholesky(R, root):
+    kept_R, root = R.copy(), np.zeros((m, m))
+    for i in range(m):
+        if weights[i] == 0.0:
+            for j in range(m):
+                kept_R[i, j] = kept_R[j, i] = 0.0
+            kept_R[i, i] = 1.0
+    if not cholesky(kept_R, root):
         return False
     for i in range(m):
         for j in range(m):
             for k in range(min(i, j) + 1):
-                out[i, j] += root[i, k] * root[j, k] / weights[k]
+                out[i, j] += root[i, k] * root[j, k] / (weights[k] if weights[k] > 0.0 else 1.0)
     return True
 
 
 @njit(cache=True)
-def innovation_covariance(P, H, R, C, correlated, PH, S):
-    """``PH = P H^T + C`` and ``S = H P H^T + R + H C + C^T H^T`` (C only where `correlated`)."""
+def innovation_covariance(P, H, R, C, correlated, weights, PH, S):
+    """``PH = P H^T + C`` and ``S = H P H^T + R + H C + C^T H^T`` (C only where `correlated`).
+
+    A channel of weight zero has zeros in `PH` and, besides its element of `R`, in `S`.
+    """
     n, m = PH.shape
     for i in range(n):
         for j in range(m):
             PH[i, j] = 0.0
     for j in range(m):
-        for k in range(n):
-            factor = H[j, k]
-            if factor != 0.0:
-                for i in range(n):
-                    PH[i, j] += P[k, i] * factor
+        if weights[j] > 0.0:
+            for k in range(n):
+                factor = H[j, k]
+                if factor != 0.0:
+                    for i in range(n):
+                        PH[i, j] += P[k, i] * factor
     for a in range(m):
         for b in range(a, m):
             total = R[a, b]
-            for k in range(n):
-                factor = H[a, k]
-                if factor != 0.0:
-                    total += factor * PH[k, b]
+            if weights[a] > 0.0:
+                for k in range(n):
+                    factor = H[a, k]
+                    if factor != 0.0:
+                        total += factor * PH[k, b]
             S[a, b] = total
     if correlated:
         for a in range(m):
             for b in range(a, m):
-                for k in range(n):
-                    S[a, b] += H[a, k] * C[k, b] + C[k, a] * H[b, k]
-        for i in range(n):
-            for j in range(m):
-                PH[i, j] += C[i, j]
+                if weights[a] > 0.0 and weights[b] > 0.0:
+                    for k in range(n):
+                        S[a, b] += H[a, k] * C[k, b] + C[k, a] * H[b, k]
+        for j in range(m):
+            if weights[j] > 0.0:
+                for i in range(n):
+                    PH[i, j] += C[i, j]
     for a in range(m):
         for b in range(a):
             S[a, b] = S[b, a]
@@ -150,56 +169,6 @@ def joseph(P, K, H, R, C, correlated, work):
 
 
 @njit(cache=True)
-def update_all_channels(x, P, innovation, H, R, C, correlated, work):
-    """Update `x` and `P` in place with every channel and return the NIS, or NaN when S is not positive definite."""
-    K, L = work.K, work.L
-    innovation_covariance(P, H, R, C, correlated, K, work.S)
-    if not cholesky(work.S, L):
-        return np.nan
-    solve_rows(L, K)
-    whiten(L, innovation, work.white)
-    nis = 0.0
-    for j in range(innovation.size):
-        nis += work.white[j] * work.white[j]
-    times_vector(K, innovation, work.shift)
-    for i in range(x.size):
-        x[i] += work.shift[i]
-    joseph(P, K, H, R, C, correlated, work)
-    return nis
-
-
-@njit(cache=True)
-def update_some_channels(x, P, innovation, H, R, R_fixed, C, correlated, weights, work):
-    """The update without the channels of weight zero, whose columns of the gain are zero afterwards."""
-    n, m = work.K.shape
-    kept = np.flatnonzero(weights > 0.0)
-    part = workspace(n, kept.size)
-    for a, i in enumerate(kept):
-        part.innovation[a] = innovation[i]
-        part.H[a] = H[i]
-    C_kept = np.ascontiguousarray(C[:, kept])
-    R_kept = np.empty((kept.size, kept.size))
-    fixed_kept = np.empty((kept.size, kept.size))
-    for a, i in enumerate(kept):
-        for b, j in enumerate(kept):
-            R_kept[a, b] = R[i, j]
-            fixed_kept[a, b] = R_fixed[i, j]
-    if not weighted_noise(R_kept, fixed_kept, weights[kept], part.R):
-        return np.nan
-    nis = update_all_channels(x, P, part.innovation, part.H, part.R, C_kept, correlated, part)
-    work.K[:] = 0.0
-    work.S[:] = 0.0
-    work.white[:] = 0.0
-    for a, i in enumerate(kept):
-        work.white[i] = part.white[a]
-        for b, j in enumerate(kept):
-            work.S[i, j] = part.S[a, b]
-        for r in range(n):
-            work.K[r, i] = part.K[r, a]
-    return nis
-
-
-@njit(cache=True)
 def update(x, P, innovation, H, R, R_fixed, C, correlated, weights, work):
     """Update the state `x` ``(n,)`` and covariance `P` ``(n, n)`` in place.
 
@@ -216,20 +185,34 @@ def update(x, P, innovation, H, R, R_fixed, C, correlated, weights, work):
     Returns
     -------
     float
-        Normalised innovation squared of the channels that took part (0 when none did); NaN when the
-        innovation covariance is not positive definite, with `x` and `P` left as they were.
+        Normalised innovation squared of the channels that took part (0 when none did); NaN, with `x` and `P` left
+        as they were, when the innovation covariance is not positive definite, when an innovation that takes part is
+        not finite, or when a weight is negative or not finite.
     """
-    kept = 0
-    for weight in weights:
-        if weight > 0.0:
-            kept += 1
-    if kept == 0:
-        work.K[:] = 0.0
-        work.S[:] = 0.0
-        work.white[:] = 0.0
-        return 0.0
-    if kept < weights.size:
-        return update_some_channels(x, P, innovation, H, R, R_fixed, C, correlated, weights, work)
+    K, L, white = work.K, work.L, work.white
+    m = innovation.size
+    for j in range(m):
+        if not 0.0 <= weights[j] < np.inf:
+            return np.nan
+        white[j] = innovation[j] if weights[j] > 0.0 else 0.0
     if not weighted_noise(R, R_fixed, weights, work.R):
         return np.nan
-    return update_all_channels(x, P, innovation, H, work.R, C, correlated, work)
+    innovation_covariance(P, H, work.R, C, correlated, weights, K, work.S)
+    if not cholesky(work.S, L):
+        return np.nan
+    whiten(L, white, white)
+    nis = 0.0
+    for j in range(m):
+        nis += white[j] * white[j]
+    if not np.isfinite(nis):
+        return np.nan
+    solve_rows(L, K)
+    for i in range(x.size):
+        for j in range(m):
+            if weights[j] > 0.0:
+                x[i] += K[i, j] * innovation[j]
+    joseph(P, K, H, work.R, C, correlated, work)
+    for j in range(m):
+        if weights[j] == 0.0:
+            work.S[j, j] = L[j, j] = np.inf
+    return nis

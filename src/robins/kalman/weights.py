@@ -13,37 +13,61 @@ plain filter does) and 0 (not at all). Its arguments are the same for all:
     epoch        int      number of updates before this one
     weights      (m,)     to be written; holds ones on entry
 
-An integer flag selects the kernel inside the compiled filter, so all weights share one compilation. To
-add one, write the function and decorate it; a weight of your own package is announced through the
-entry-point group ``robins.weights``.
+An integer flag selects the kernel inside the compiled filter, so all weights that are there when
+`robins.kalman` has been imported share one compilation. To add one, write the function and decorate it; a
+weight of your own package is announced through the entry-point group ``robins.weights``. A weight that is
+registered later, in a notebook or a test, works too: its filters are compiled for it alone.
 """
 
+from collections import namedtuple
 from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 from numba.extending import overload
 
-from robins.kalman.extension import note_kernel
+from robins.kalman.extension import implements, kernel_of, note_kernel
 
 _flags: dict[str, int] = {}
 _kernels: list = []
+_latecomers: dict[str, type] = {}
+_closed = False
 
 
 class Weighting(NamedTuple):
-    """A weight function with its constants and its initial memory."""
+    """A weight function with its constants ``(p,)`` and its initial memory ``(r, c)``."""
 
     kind: int
     parameters: np.ndarray
     memory: np.ndarray
 
 
+def close_list() -> None:
+    """End the list of weights that share one compilation.
+
+    The flags are numbers in the cached machine code, so they must be the same in every process. A weight that comes
+    later, in an order that depends on what else is imported, gets a type of its own instead of a flag.
+    """
+    global _closed
+    _closed = True
+
+
 def weight(name: str):
-    """Decorator: register a compiled weight function under `name`."""
+    """Decorator: register a compiled weight function under `name`.
+
+    Raises
+    ------
+    ValueError
+        The name is taken.
+    """
 
     def register(kernel):
-        if name in _flags:
+        if name in names():
             raise ValueError(f"a weight named {name!r} is registered already")
+        if _closed:
+            _latecomers[name] = namedtuple(f"Weighting{len(_latecomers)}", Weighting._fields)
+            note_kernel(kernel, covered=False)
+            return implements(weigh, _latecomers[name])(kernel)
         _flags[name] = len(_kernels)
         _kernels.append(kernel)
         note_kernel(kernel)
@@ -60,28 +84,41 @@ def weighting(name: str, parameters=(), memory=None) -> Weighting:
     ValueError
         No such weight; the message lists those there are.
     """
-    if name not in _flags:
-        raise ValueError(f"no weight is called {name!r}; there are {', '.join(sorted(_flags))}")
+    if name not in names():
+        raise ValueError(f"no weight is called {name!r}; there are {', '.join(names())}")
     memory = np.zeros((1, 1)) if memory is None else np.ascontiguousarray(memory, float)
-    return Weighting(_flags[name], np.array(parameters, float), memory)
+    return _latecomers.get(name, Weighting)(_flags.get(name, -1), np.array(parameters, float), memory)
 
 
 def names() -> list[str]:
     """The registered weights in alphabetical order."""
-    return sorted(_flags)
+    return sorted([*_flags, *_latecomers])
 
 
-def weigh(kind, innovation, predicted, R, parameters, memory, epoch, weights):
-    """Write the weights of the method with flag `kind`; see the module's docstring."""
-    return _kernels[kind](innovation, predicted, R, parameters, memory, epoch, weights)
+def weigh(weighting, innovation, predicted, R, memory, epoch, weights):
+    """Write the weights of the method that `weighting` names; see the module's docstring."""
+    kernel = _kernels[weighting.kind] if type(weighting) is Weighting else kernel_of("weigh", weighting)
+    kernel(innovation, predicted, R, weighting.parameters, memory, epoch, weights)
 
 
 @overload(weigh)
-def _weigh(kind, innovation, predicted, R, parameters, memory, epoch, weights):
+def _weigh(weighting, innovation, predicted, R, memory, epoch, weights):
+    if getattr(weighting, "instance_class", None) is not Weighting:
+        own = kernel_of("weigh", weighting)
+
+        def alone(weighting, innovation, predicted, R, memory, epoch, weights):
+            own(innovation, predicted, R, weighting.parameters, memory, epoch, weights)
+
+        return alone
     chain = None
     for flag, kernel in reversed(list(enumerate(_kernels))):
         chain = _link(flag, kernel, chain)
-    return chain
+    chain = njit(chain)
+
+    def select(weighting, innovation, predicted, R, memory, epoch, weights):
+        chain(weighting.kind, innovation, predicted, R, weighting.parameters, memory, epoch, weights)
+
+    return select
 
 
 def _link(flag, kernel, others):
@@ -113,5 +150,6 @@ def unit(innovation, predicted, R, parameters, memory, epoch, weights):
 @njit(cache=True)
 def known(innovation, predicted, R, parameters, memory, epoch, weights):
     """Weights given beforehand, one row of `memory` for each update: an oracle that is told the fault."""
-    weights[:] = memory[epoch]
+    for i in range(weights.size):
+        weights[i] = memory[epoch, i]
 
