@@ -36,7 +36,7 @@ def filters(problem):
         "ckf-inflated": classical(m, p, inflated=True),
         "akf": augmented(m, p),
         "aakf": augmented(m, p, "per-channel"),
-        "oracle": oracle(m, p, "fault"),
+        "oracle": oracle(m, p),
         "mdkf": printed(m, p),
         **{f"amdkf {rule}": printed(m, p, rule) for rule in rules},
         "bh": corrected(m, p),
@@ -153,7 +153,7 @@ def test_t06_innovations_of_a_right_filter_are_white(problem, build, changes):
     [
         (lambda m, p: augmented(m, p), {}, "healthy"),
         (lambda m, p: corrected(m, p), NO_V, "healthy"),
-        (lambda m, p: oracle(m, p, "fault"), {}, "fault"),
+        (lambda m, p: oracle(m, p), {}, "fault"),
     ],
     ids=["akf", "bh without v", "oracle with the fault"],
 )

@@ -10,6 +10,7 @@ from robins.navigation.aircraft import STATES
 from robins.papers.hajiyev2023.ensemble import autocorrelation, diverged, epoch_mean, scenario, scores, summaries, surviving, variant
 from robins.papers.hajiyev2023.estimators import augmented, corrected, printed
 from robins.papers.hajiyev2023.scenario import BRANCHES, CONDITIONS
+from robins.papers.hajiyev2023.variants import VARIANTS
 from robins.papers.protocol import Settings
 
 LATERAL = list(STATES[4:])
@@ -22,7 +23,7 @@ def settings(runs):
 @pytest.fixture(scope="module")
 def tables():
     """The tables of four variants over four runs."""
-    return {name: variant(settings(4), name).table for name in ("mdkf-printed", "amdkf-printed", "akf", "aakf")}
+    return {name: variant(settings(4), VARIANTS[name].composition).table for name in ("mdkf-printed", "amdkf-printed", "akf", "aakf")}
 
 
 def rmse(table, estimate, **where):
@@ -55,7 +56,7 @@ def test_lateral_states_do_not_feel_the_fault_without_adaptation(tables):
 
 
 def test_a_run_scores_the_same_in_a_larger_ensemble(tables):
-    larger = variant(settings(10), "amdkf-printed").table
+    larger = variant(settings(10), VARIANTS["amdkf-printed"].composition).table
     pd.testing.assert_frame_equal(larger[larger["run"] == 3].reset_index(drop=True),
                                   tables["amdkf-printed"][tables["amdkf-printed"]["run"] == 3].reset_index(drop=True))  # fmt: skip
 
@@ -187,7 +188,7 @@ def test_scenario_output_is_run_0_of_the_ensemble(branch):
     assert output.table["state"].tolist() == list(STATES)
     arrays = output.arrays
     assert arrays["truth"].shape == arrays["z.fault"].shape == (201, 8)
-    np.testing.assert_array_equal(arrays["truth"], variant(settings(1), "akf").arrays[f"{branch}.fault.truth0"])
+    np.testing.assert_array_equal(arrays["truth"], variant(settings(1), VARIANTS["akf"].composition).arrays[f"{branch}.fault.truth0"])
     matrices = {name.removeprefix("matrix."): value for name, value in arrays.items() if name.startswith("matrix.")}
     xi = arrays["residual.differenced-noise"]
     mu = arrays["z.healthy"][1:] - arrays["z.healthy"][:-1] @ matrices["A_n"].T

@@ -6,6 +6,7 @@ from scipy.stats import chi2
 
 from robins.kalman.tuning import GATED, covariance_matching, matching
 from robins.kalman.weights import weighting
+from robins.papers.hajiyev2023.ensemble import without_fault
 from robins.papers.hajiyev2023.estimators import (
     augmented,
     classical,
@@ -100,13 +101,13 @@ def test_an_infinite_window_gives_the_plain_filter(problem, name, rule):
 
 def test_oracle_without_a_fault_is_the_augmented_filter(problem):
     case = problem(3)
-    told = case.run(oracle(case.matrices, case.parameters, "healthy"))
+    told = case.run(oracle(case.matrices, without_fault(case.parameters)))
     plain = case.run(augmented(case.matrices, case.parameters))
     np.testing.assert_array_equal(told.posterior, plain.posterior)
 
 
 def test_oracle_scales_the_noise_of_two_channels_while_the_fault_lasts(problem):
-    weights = oracle(problem(1).matrices, problem(1).parameters, "fault").weights
+    weights = oracle(problem(1).matrices, problem(1).parameters).weights
     expected = np.ones((201, 8))
     expected[80:151, Q_CHANNEL], expected[80:151, THETA_CHANNEL] = 1 / 64, 1 / 25
     np.testing.assert_allclose(weights, expected, rtol=1e-15)
@@ -115,7 +116,7 @@ def test_oracle_scales_the_noise_of_two_channels_while_the_fault_lasts(problem):
 def test_oracle_told_through_the_weight_function_is_the_oracle(problem):
     """Two roads: gains computed beforehand, and the weights handed to the filter update by update."""
     case = problem(3)
-    form = oracle(case.matrices, case.parameters, "fault")
+    form = oracle(case.matrices, case.parameters)
     told = case.run(form._replace(weights=weighting("known", memory=form.weights)), "fault")
     planned = case.run(form, "fault")
     np.testing.assert_allclose(told.posterior, planned.posterior, rtol=0, atol=1e-10)

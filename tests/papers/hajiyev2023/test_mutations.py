@@ -38,7 +38,7 @@ MUTANTS = {
     "covariance matching off": Mutant("kalman/tuning.py", "", "covariance_matching", (T12,)),
     "every rule the per-channel one": Mutant("kalman/tuning.py", "(window, rule, ", "(window, PER_CHANNEL, ", (GATE, *SCALAR)),
     "known weights off": Mutant("kalman/weights.py", "", "known", (KNOWN,)),
-    "oracle not told": Mutant("papers/hajiyev2023/estimators.py", 'if condition == "fault":', "if False:", (T07_ORACLE,)),
+    "oracle not told": Mutant("papers/hajiyev2023/estimators.py", "._replace(weights=weights)", "", (T07_ORACLE,)),
     "mu one epoch late": Mutant("kalman/differencing.py", "mu[..., :-1, :] = z[..., 1:, :]", "mu[..., 1:, :] = z[..., 1:, :]", (T01,)),
     "z one epoch late": Mutant(
         "papers/hajiyev2023/estimators.py", "z = ensemble.z[condition]", "z = np.roll(ensemble.z[condition], 1, axis=1)", (T13,)

@@ -2,6 +2,57 @@
 
 WSEAS Transactions on Systems and Control 18, 478-486, doi 10.37394/23203.2023.18.51 (CC BY 4.0).
 
-``scenario`` and ``ensemble``: section 5; ``estimators`` and ``as_printed``: sections 3 and 4; ``studies``: what
-the brief asks beyond the paper; ``tables``, ``figures``, ``claims``, ``register``: what is published.
+``scenario`` and ``ensemble``: section 5; ``estimators``, ``variants`` and ``as_printed``: sections 3 and 4; ``studies``:
+what the brief asks beyond the paper; ``tables``, ``figures``, ``noise``, ``claims``, ``register``: what is published.
 """
+
+from functools import partial
+
+from robins.papers.hajiyev2023 import ensemble, studies
+from robins.papers.hajiyev2023.claims import CLAIMS
+from robins.papers.hajiyev2023.figures import FIGURES
+from robins.papers.hajiyev2023.noise import DIAGNOSTICS_FIGURE, DIAGNOSTICS_TABLE
+from robins.papers.hajiyev2023.register import ASSUMPTIONS, EQUATIONS
+from robins.papers.hajiyev2023.scenario import BRANCHES, KEY
+from robins.papers.hajiyev2023.variants import VARIANTS
+from robins.papers.protocol import Job, Paper
+
+READING = {"deg": "angles in degrees, as labelled", "rad": "angles in radians"}
+
+
+def _job(module, name: str, label: str, compute, definition=None, family: str = "") -> Job:
+    return Job(name, label, compute, (module.__name__,), definition or {}, family)
+
+
+PAPER = Paper(
+    key=KEY,
+    title="A Covariance Matching-Based Adaptive Measurement Differencing Kalman Filter for INS's Error Compensation",
+    citation="C. Hajiyev, U. Hacizade, WSEAS Transactions on Systems and Control 18 (2023) 478-486",
+    doi="10.37394/23203.2023.18.51",
+    summary="An aircraft's states are measured by an inertial system whose errors drift. Differencing two measurements removes the "
+    "drift (MDKF); matching the innovation covariance in a sliding window adapts the filter to a faulty gyro (AMDKF). The paper reports "
+    "one run, in which adaptation improves the four longitudinal states and worsens the four lateral ones. None of its matrices, noise "
+    "levels or seeds is published, so a substitute aircraft (F-4C) stands in, with the angles read both in degrees and in radians.",
+    scenarios=tuple(
+        _job(ensemble, f"aircraft-{branch}", f"Substitute aircraft, {READING[branch]}", partial(ensemble.scenario, branch=branch))
+        for branch in BRANCHES
+    ),
+    variants=tuple(
+        _job(ensemble, name, row.label, partial(ensemble.variant, composition=row.composition), row.composition, row.family)
+        for name, row in VARIANTS.items()
+    ),
+    studies=(
+        _job(studies, "theory", "Whiteness, statement 1 and the loss of information", studies.theory),
+        *(_job(studies, f"sweep-{b}", f"One-at-a-time sweeps, {READING[b]}", partial(studies.sweep, branch=b)) for b in BRANCHES),
+        *(
+            _job(studies, f"specification-{b}", f"Specification curve, {READING[b]}", partial(studies.specification, branch=b))
+            for b in BRANCHES
+        ),
+    ),
+    tables=(DIAGNOSTICS_TABLE,),
+    figures=(*FIGURES, DIAGNOSTICS_FIGURE),
+    claims=CLAIMS,
+    equations=EQUATIONS,
+    assumptions=ASSUMPTIONS,
+    options={"plant": "f4c"},
+)

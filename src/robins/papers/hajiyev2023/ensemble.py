@@ -3,6 +3,9 @@
 Every variant sees the same noise. Only scores, quantiles and run 0 leave a job; trajectories do not.
 """
 
+from collections.abc import Mapping
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 
@@ -10,7 +13,7 @@ from robins.evaluate.metrics import ensemble_quantiles, ensemble_rms, window_rms
 from robins.kalman.differencing import differenced_measurements
 from robins.kalman.filter import Record
 from robins.navigation.aircraft import STATES
-from robins.papers.hajiyev2023.estimators import BUILDERS, Filter, run
+from robins.papers.hajiyev2023.estimators import Filter, build, run
 from robins.papers.hajiyev2023.scenario import (
     BRANCHES,
     CONDITIONS,
@@ -186,8 +189,14 @@ def summaries(form: Filter, record: Record, truth: np.ndarray) -> dict[str, np.n
     }
 
 
-def variant(settings: Settings, name: str) -> Output:
-    """One filter over the reporting runs, in both branches, with and without the fault.
+def without_fault(parameters: Parameters) -> Parameters:
+    """What a filter that is told the fault may be told when there is none."""
+    return replace(parameters, multiplier_q=1.0, multiplier_theta=1.0)
+
+
+def variant(settings: Settings, composition: Mapping) -> Output:
+    """One filter (a composition of `robins.papers.hajiyev2023.variants`) over the reporting runs, in both branches, with and
+    without the fault.
 
     The table has a row for each branch, condition, run, estimate (filtered, delayed) and state: RMSE by equation
     (29), mean scale factor and gain norm over k = 100..149, mean NIS settled (k >= 30) and in the window
@@ -200,7 +209,7 @@ def variant(settings: Settings, name: str) -> Output:
         matrices = system(parameters, settings.options["plant"])
         ensemble = simulate(parameters, matrices, draw(settings.seed, STREAM, runs, parameters.steps))
         for condition in CONDITIONS:
-            form = BUILDERS[name](matrices, parameters, condition)
+            form = build(composition, matrices, parameters if condition == "fault" else without_fault(parameters))
             record = run(form, parameters, matrices, ensemble, condition)
             frame = scores(form, record, ensemble, parameters, runs)
             frame.insert(0, "branch", branch)

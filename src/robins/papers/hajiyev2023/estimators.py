@@ -9,6 +9,7 @@ corrected one (Bryson & Henrikson) has C in the prediction instead. `as_printed`
 (10)-(24) once more, literally, and a test holds the two together.
 """
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -92,12 +93,11 @@ def augmented(matrices: System, parameters: Parameters, rule: str = "", P0_lambd
                   "posterior", "delayed")  # fmt: skip
 
 
-def oracle(matrices: System, parameters: Parameters, condition: str) -> Filter:
+def oracle(matrices: System, parameters: Parameters) -> Filter:
     """The augmented filter that is told the fault: Q_v of the two channels times the squared multiplier while it lasts."""
     weights = np.ones((parameters.steps + 1, 8))
-    if condition == "fault":
-        weights[parameters.fault, Q_CHANNEL] = parameters.multiplier_q**-2.0
-        weights[parameters.fault, THETA_CHANNEL] = parameters.multiplier_theta**-2.0
+    weights[parameters.fault, Q_CHANNEL] = parameters.multiplier_q**-2.0
+    weights[parameters.fault, THETA_CHANNEL] = parameters.multiplier_theta**-2.0
     return augmented(matrices, parameters)._replace(weights=weights)
 
 
@@ -157,20 +157,11 @@ def run(form: Filter, parameters: Parameters, matrices: System, ensemble: Ensemb
     return run_schedule(plan, form.model, form.sensor, x0, inputs, z, 8, delayed)
 
 
-BUILDERS = {
-    "ckf": lambda m, p, condition: classical(m, p),
-    "ckf-inflated": lambda m, p, condition: classical(m, p, inflated=True),
-    "akf": lambda m, p, condition: augmented(m, p),
-    "mdkf-printed": lambda m, p, condition: printed(m, p),
-    "amdkf-printed": lambda m, p, condition: printed(m, p, "per-channel"),
-    "amdkf-gated": lambda m, p, condition: printed(m, p, "gated"),
-    "amdkf-scalar-trace": lambda m, p, condition: printed(m, p, "scalar-trace"),
-    "amdkf-scalar-mean": lambda m, p, condition: printed(m, p, "scalar-mean"),
-    "bh": lambda m, p, condition: corrected(m, p),
-    "abh": lambda m, p, condition: corrected(m, p, "per-channel"),
-    "aakf": lambda m, p, condition: augmented(m, p, "per-channel"),
-    "oracle": oracle,
-    "mdkf-lagged": lambda m, p, condition: late(m, p),
-    "amdkf-lagged": lambda m, p, condition: late(m, p, "per-channel"),
-}
-"""``builder(matrices, parameters, condition) -> Filter`` by the variant's name."""
+FORMS = {"classical": classical, "augmented": augmented, "oracle": oracle, "printed": printed, "late": late, "corrected": corrected}
+"""The forms that a row of `robins.papers.hajiyev2023.variants` names; all take the system, the parameters and their options."""
+
+
+def build(composition: Mapping, matrices: System, parameters: Parameters) -> Filter:
+    """The filter of a composition ``{"form": name, **options}`` of `FORMS`."""
+    options = dict(composition)
+    return FORMS[options.pop("form")](matrices, parameters, **options)
