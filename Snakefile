@@ -17,6 +17,7 @@ from robins.evaluate.published import read_published
 from robins.field import psins
 from robins.foundation.errors import InputError
 from robins.papers import all_papers, configuration, pipeline
+from robins.publish.report import fingerprint
 from robins.publish.sourcehash import source_hash
 
 ROOT = Path(workflow.basedir)

@@ -25,7 +25,7 @@ for KEY, PAPER in PAPERS.items():
 
 rule notebook:
     input:
-        PRODUCTS,
+        RECORDS,
         CLAIMS,
         MANIFEST,
         FIELD_TARGETS,
@@ -61,7 +61,7 @@ rule manifest:
 
 rule report:
     input:
-        PRODUCTS,
+        RECORDS,
         CLAIMS,
         MANIFEST,
         FIELD_TARGETS,
@@ -69,7 +69,7 @@ rule report:
         update(REPORT),
     params:
         papers=list(PAPERS),
-        source=source_hash(["robins.publish.report"]),
+        source=fingerprint(PAPERS),
     log:
         f"{LAYOUT.build}/logs/report.log",
     conda:
@@ -82,7 +82,7 @@ rule report:
 rule complete:
     input:
         [LAYOUT.intermediates(paper) for paper in PAPERS.values()],
-        PRODUCTS,
+        RECORDS,
         CLAIMS,
         MANIFEST,
         REPORT,

@@ -17,10 +17,10 @@ _ADDRESS = re.compile(r"0x[0-9a-f]{6,}")
 
 
 class _ThisInterpreter(AsyncKernelManager):
-    """Starts the kernel of this very interpreter: with no folder to look in, jupyter falls back on it."""
+    """Starts the kernel of this very interpreter (with no folder to look in, jupyter falls back on it), reached by a local socket."""
 
     def __init__(self, **settings):
-        super().__init__(kernel_spec_manager=KernelSpecManager(kernel_dirs=[]), **settings)
+        super().__init__(transport="ipc", kernel_spec_manager=KernelSpecManager(kernel_dirs=[]), **settings)
 
 
 def execute(source, target, workdir, environment: Mapping[str, str] | None = None, timeout: int = 600) -> None:

@@ -54,5 +54,10 @@ PAPER = Paper(
     claims=CLAIMS,
     equations=EQUATIONS,
     assumptions=ASSUMPTIONS,
+    sizes={
+        "smoke": {"runs": 8, "sweep_runs": 8, "specification_sets": 8, "specification_runs": 8, "bootstrap": 200},
+        "standard": {"runs": 1000, "sweep_runs": 100, "specification_sets": 300, "specification_runs": 30, "bootstrap": 2000},
+        "full": {"runs": 5000, "sweep_runs": 500, "specification_sets": 600, "specification_runs": 60, "bootstrap": 5000},
+    },
     options={"plant": "f4c"},
 )
