@@ -17,10 +17,10 @@ _ADDRESS = re.compile(r"0x[0-9a-f]{6,}")
 
 
 class _ThisInterpreter(AsyncKernelManager):
-    """Starts the kernel of this very interpreter (with no folder to look in, jupyter falls back on it), reached by a local socket."""
+    """Starts the kernel of this very interpreter: with no folder to look in, jupyter falls back on it."""
 
     def __init__(self, **settings):
-        super().__init__(transport="ipc", kernel_spec_manager=KernelSpecManager(kernel_dirs=[]), **settings)
+        super().__init__(kernel_spec_manager=KernelSpecManager(kernel_dirs=[]), **settings)
 
 
 def execute(source, target, workdir, environment: Mapping[str, str] | None = None, timeout: int = 600) -> None:
@@ -45,7 +45,14 @@ def execute(source, target, workdir, environment: Mapping[str, str] | None = Non
         A cell failed; nothing is written.
     """
     notebook = nbformat.read(source, as_version=4)
-    client = NotebookClient(notebook, kernel_name="python3", kernel_manager_class=_ThisInterpreter, timeout=timeout, record_timing=False)
+    client = NotebookClient(
+        notebook,
+        kernel_name="python3",
+        kernel_manager_class=_ThisInterpreter,
+        timeout=timeout,
+        record_timing=False,
+        extra_arguments=["--IPKernelApp.log_level=40"],  # else every kernel warns that its port on this machine is not encrypted
+    )
     client.execute(env={**os.environ, **(environment or {})}, cwd=str(workdir))
     for text in strip(notebook):
         print(text, end="", file=sys.stderr)
