@@ -327,15 +327,12 @@ def apply_gain(plan, k, innovation, x, record, run, delayed):
 def run_schedule(plan, model, sensor, x0, controls, measurements, states, delayed):
     """Apply a `Schedule` to every record of an ensemble; arguments and result as in `run_filter`.
 
-    A schedule that failed fails every run, with no estimate at any epoch.
+    A schedule that failed fails every run at its epoch, or before.
     """
     runs, epochs, m = measurements.shape
     n = x0.shape[1]
     record = empty_record(runs, epochs, states, m, 1)
-    record.failed[:] = plan.failed
     record_plan(plan, record)
-    if plan.failed >= 0:
-        return record
     innovation, shift, P = np.empty(m), np.empty(n), np.zeros((n, n))
     for run in range(runs):
         x = x0[run].copy()
@@ -345,7 +342,8 @@ def run_schedule(plan, model, sensor, x0, controls, measurements, states, delaye
                 observe(sensor, x, controls[k], innovation)
                 for j in range(m):
                     innovation[j] = measurements[run, k, j] - innovation[j]
-                if not apply_gain(plan, k, innovation, x, record, run, delayed):
+                no_gain = k == plan.failed and np.isnan(plan.posterior_covariance[k, 0, 0])
+                if no_gain or not apply_gain(plan, k, innovation, x, record, run, delayed):
                     record.failed[run] = k
                     break
             record_states(x, record.posterior[run, k])
@@ -355,7 +353,7 @@ def run_schedule(plan, model, sensor, x0, controls, measurements, states, delaye
                     times_vector(plan.carry[k], innovation, shift)
                     for i in range(n):
                         x[i] += shift[i]
-                if not is_sound(x, P):
+                if k == plan.failed or not is_sound(x, P):
                     record.failed[run] = k
                     break
     return record
