@@ -47,15 +47,21 @@ def draw_diagnostics(results: Results) -> Drawing:
     axes = figure.subplots(len(PICTURED), 3)
     look = style.family("differencing")
     for (quantiles, density, lags), (series, state, title) in zip(axes, PICTURED, strict=True):
-        samples = arrays[f"residual.{series}"][:, channel_names(series).index(state)]
-        seen = pictures(samples / np.std(samples, ddof=1), float(arrays[f"rate_hz.{series}"]), stats.norm())
+        channel = channel_names(series).index(state)
+        samples = arrays[f"residual.{series}"][:, channel]
+        deviation = np.std(samples, ddof=1)
+        law = stats.norm(0, arrays[f"sd.{series}"][channel] / deviation) if f"sd.{series}" in arrays else None
+        seen = pictures(samples / deviation, float(arrays[f"rate_hz.{series}"]), law)
         q, h, a = seen.quantiles, seen.histogram, seen.autocorrelation
         quantiles.fill_between(q.theoretical, q.low, q.high, color="#000000", alpha=0.12, linewidth=0)
         quantiles.plot(q.theoretical, q.line, color="#000000", linewidth=0.8)
         quantiles.plot(q.theoretical, q.ordered, linestyle="none", marker=".", markersize=2.5, color=look["color"])
         quantiles.set(xlabel="normal quantile (sd)", ylabel="sample (sd)", title=title)
         density.stairs(h.density, h.edges, color=look["color"], fill=True, alpha=0.5)
-        density.plot(h.grid, h.fitted, color="#000000", linewidth=0.9)
+        density.plot(h.grid, h.fitted, color="#000000", linewidth=0.9, label="fitted")
+        if h.true is not None:
+            density.plot(h.grid, h.true, color=style.family("published")["color"], linestyle=":", linewidth=1.4, label="true")
+            density.legend(loc="upper right")
         density.set(xlabel="sample (sd)", ylabel="density (1/sd)")
         lags.axhspan(-a.band, a.band, color="#000000", alpha=0.12, linewidth=0)
         lags.vlines(a.lags, 0, a.values, color=look["color"])
@@ -86,6 +92,6 @@ DIAGNOSTICS_FIGURE = Figure(
     draw=draw_diagnostics,
     needs=("aircraft-deg",),
     modules=(__name__,),
-    caption="Left: normal Q-Q plot with the pointwise 95 % band; middle: histogram and fitted normal density; right: autocorrelation "
+    caption="Left: normal Q-Q plot with the pointwise 95 % band; middle: histogram, fitted normal density and, where it is known, the true one; right: autocorrelation "
     "with the 95 % band of white noise. One run of 201 epochs; substitute aircraft (F-4C), deg branch.",
 )
