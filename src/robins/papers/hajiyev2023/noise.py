@@ -61,7 +61,8 @@ def draw_diagnostics(results: Results) -> Drawing:
         density.plot(h.grid, h.fitted, color="#000000", linewidth=0.9, label="fitted")
         if h.true is not None:
             density.plot(h.grid, h.true, color=style.family("published")["color"], linestyle=":", linewidth=1.4, label="true")
-            density.legend(loc="upper right")
+            density.set_ylim(top=1.4 * max(h.density.max(), h.true.max()))
+            density.legend(loc="upper center", ncols=2)
         density.set(xlabel="sample (sd)", ylabel="density (1/sd)")
         lags.axhspan(-a.band, a.band, color="#000000", alpha=0.12, linewidth=0)
         lags.vlines(a.lags, 0, a.values, color=look["color"])
