@@ -180,16 +180,16 @@ def scale_row(results: Results, branch: str, state: str) -> Row:
     """The mean scale factor of a faulty channel beside what a fault alone would give if (18) held."""
     fault, healthy = (scores(results, AMDKF, branch, condition) for condition in ("fault", "healthy"))
     i, n = STATES.index(state), len(fault.failed)
-    values = fault.scale[~fault.failed, i]
+    values, sound = fault.scale[~fault.failed, i], healthy.scale[~healthy.failed, i]
     quantity, where = f"scale factor of {state}, k = 100..149", f"{branch}, fault"
-    if len(values) < 2:
+    if min(len(values), len(sound)) < 2:
         return Row("C11", quantity, where, "failed", "", "", n, AMDKF, Verdict.NOT_REPLICATED, "Fewer than two runs survive.")
     mean, expected = mean_interval(values), expected_scale(results, branch)[state]
     near = abs(mean.estimate / expected - 1) <= SCALE_TOLERANCE
     verdict = Verdict.TOO_SMALL if n < MINIMUM else Verdict.REPLICATED if near else Verdict.DIRECTION_ONLY
     reason = (
         f"1 + (m^2 - 1) R_v / R gives {expected:.3g}; ours, {mean.estimate:.3g}, is {'within' if near else 'not within'} "
-        f"{SCALE_TOLERANCE:.0%} of it. Without a fault it is {np.mean(healthy.scale[~healthy.failed, i]):.3g}."
+        f"{SCALE_TOLERANCE:.0%} of it. Without a fault it is {np.mean(sound):.3g}."
     )
     numbers = float(mean.estimate), float(mean.low), float(mean.high)
     return Row("C11", quantity, where, *numbers, n, AMDKF, verdict, reason, unit="1")

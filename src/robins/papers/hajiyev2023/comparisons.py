@@ -27,7 +27,7 @@ PRINTED = ("mdkf-printed", "amdkf-printed", "amdkf-gated", "amdkf-scalar-trace",
 
 
 class Pair(NamedTuple):
-    """Two variants that are compared, numerator over denominator, and the kind of estimate of both."""
+    """Two variants that are compared, numerator over denominator, and the kind of estimate of those that have both."""
 
     numerator: str
     denominator: str
@@ -42,6 +42,11 @@ class Pair(NamedTuple):
     def needs(self) -> tuple[str, str]:
         """The two jobs."""
         return self.numerator, self.denominator
+
+    @property
+    def kinds(self) -> tuple[str, str]:
+        """The kind of estimate of each: ``delayed`` for the printed filters, which have no other."""
+        return tuple("delayed" if name in PRINTED else self.estimate for name in self.needs)
 
 
 ADAPTED = Pair(AMDKF, MDKF)
@@ -112,7 +117,7 @@ def ratio(results: Results, pair: Pair, branch: str, condition: str, state: str)
     """The paired ratio of the RMSE of two variants."""
 
     def make() -> RatioSummary:
-        above, below = (scores(results, name, branch, condition, pair.estimate) for name in pair.needs)
+        above, below = (scores(results, name, branch, condition, kind) for name, kind in zip(pair.needs, pair.kinds, strict=True))
         i = STATES.index(state)
         what = f"{pair.numerator}-over-{pair.denominator}-{pair.estimate}-{branch}-{condition}"
         return summary_of(results, what, state, above.rmse[:, i], below.rmse[:, i], above.failed, below.failed)
@@ -135,7 +140,8 @@ def harm_ratio(results: Results, pair: Pair, branch: str, state: str) -> RatioSu
     """How much more the fault multiplies the numerator's error than the denominator's, paired by run."""
     i = STATES.index(state)
     fault, healthy = ([scores(results, name, branch, condition, pair.estimate) for name in pair.needs] for condition in CONDITIONS)
-    above, below = fault[0].rmse[:, i] / healthy[0].rmse[:, i], fault[1].rmse[:, i] / healthy[1].rmse[:, i]
+    with np.errstate(invalid="ignore", over="ignore"):  # runs that failed may hold anything
+        above, below = (fault[side].rmse[:, i] / healthy[side].rmse[:, i] for side in (0, 1))
     lost, won = (fault[side].failed | healthy[side].failed for side in (0, 1))
     what = f"{pair.numerator}-over-{pair.denominator}-{pair.estimate}-{branch}-harm"
     return summary_of(results, what, state, above, below, lost, won)
