@@ -14,6 +14,7 @@ from robins.papers.hajiyev2023.figures import FIGURES
 from robins.papers.hajiyev2023.noise import DIAGNOSTICS_FIGURE, DIAGNOSTICS_TABLE
 from robins.papers.hajiyev2023.register import ASSUMPTIONS, EQUATIONS
 from robins.papers.hajiyev2023.scenario import BRANCHES, KEY
+from robins.papers.hajiyev2023.tables import TABLES
 from robins.papers.hajiyev2023.variants import VARIANTS
 from robins.papers.protocol import Job, Paper
 
@@ -49,7 +50,7 @@ PAPER = Paper(
             for b in BRANCHES
         ),
     ),
-    tables=(DIAGNOSTICS_TABLE,),
+    tables=(*TABLES, DIAGNOSTICS_TABLE),
     figures=(*FIGURES, DIAGNOSTICS_FIGURE),
     claims=CLAIMS,
     equations=EQUATIONS,
