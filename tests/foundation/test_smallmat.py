@@ -31,8 +31,6 @@ def test_products_are_those_of_numpy(n, inner, m, seed):
     out, vector = np.full((n, m), np.nan), np.full(n, np.nan)
     smallmat.multiply(A, B, out)
     np.testing.assert_allclose(out, A @ B, **ROUNDING)
-    smallmat.multiply_transposed(A, np.ascontiguousarray(B.T), out)
-    np.testing.assert_allclose(out, A @ B, **ROUNDING)
     smallmat.times_vector(A, x, vector)
     np.testing.assert_allclose(vector, A @ x, **ROUNDING)
     smallmat.assign(A @ B, out)
@@ -46,14 +44,6 @@ def test_congruence_completes_a_quadratic_form_symmetrically(n, inner, seed):
     smallmat.congruence(A @ P, A, out)
     np.testing.assert_allclose(out, A @ P @ A.T, **ROUNDING)
     np.testing.assert_array_equal(out, out.T)
-
-
-@given(SIZES, SEEDS)
-def test_symmetrise_gives_the_mean_with_the_transpose(n, seed):
-    P = np.random.default_rng(seed).normal(size=(n, n))
-    expected = (P + P.T) / 2
-    smallmat.symmetrise(P)
-    np.testing.assert_allclose(P, expected, rtol=1e-15)
 
 
 @given(SIZES, SEEDS)

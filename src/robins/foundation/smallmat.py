@@ -37,19 +37,6 @@ def multiply(A, B, out):
 
 
 @njit(cache=True)
-def multiply_transposed(A, B, out):
-    """``out = A B^T`` for shapes ``(n, k)``, ``(m, k)``, ``(n, m)``."""
-    n, inner = A.shape
-    m = B.shape[0]
-    for i in range(n):
-        for j in range(m):
-            total = 0.0
-            for k in range(inner):
-                total += A[i, k] * B[j, k]
-            out[i, j] = total
-
-
-@njit(cache=True)
 def times_vector(A, x, out):
     """``out = A x`` for shapes ``(n, k)``, ``(k,)``, ``(n,)``."""
     for i in range(A.shape[0]):
@@ -72,16 +59,6 @@ def congruence(T, A, out):
                     total += T[i, k] * factor
             out[i, j] = total
             out[j, i] = total
-
-
-@njit(cache=True)
-def symmetrise(P):
-    """Replace ``P`` by ``(P + P^T) / 2`` in place."""
-    for i in range(P.shape[0]):
-        for j in range(i):
-            mean = 0.5 * (P[i, j] + P[j, i])
-            P[i, j] = mean
-            P[j, i] = mean
 
 
 @njit(cache=True)
