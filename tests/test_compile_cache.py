@@ -64,6 +64,7 @@ def copied(tmp_path_factory):
     return folder, folder / "cache", run(folder, folder / "cache")
 
 
+@pytest.mark.slow
 def test_a_second_process_has_only_cache_hits(copied):
     folder, cache, first = copied
     second = run(folder, cache)
@@ -73,6 +74,7 @@ def test_a_second_process_has_only_cache_hits(copied):
     assert second["warnings"] == [] and Path(second["cache"]).parent == cache
 
 
+@pytest.mark.slow
 def test_an_edit_in_a_file_that_the_filter_only_calls_is_never_served_stale(copied, tmp_path):
     """Numba alone would: it looks at the time of the caller's file only."""
     folder, cache, first = copied
@@ -179,6 +181,14 @@ def test_a_cache_that_cannot_be_written_falls_back_to_a_temporary_one_with_one_w
     assert len(caught) == 1
     assert folder.is_dir() and folder.is_relative_to(here / "temporary") and str(folder) in str(caught[0].message)
     assert numba.config.CACHE_DIR == str(folder)
+
+
+def test_a_temporary_cache_of_somebody_else_is_not_used(here, monkeypatch):
+    mine = compile_cache.temporary_cache()
+    assert mine == compile_cache.temporary_cache() and mine.stat().st_mode & 0o077 == 0
+    monkeypatch.setattr(os, "getuid", lambda: 123_456)  # whoever that is: the folder of this name is made by us
+    theirs = here / "temporary" / "robins-123456"
+    assert compile_cache.temporary_cache() != theirs and theirs.is_dir()
 
 
 def test_a_process_with_an_unwritable_cache_warns_once_and_computes(copied, tmp_path, monkeypatch):

@@ -48,6 +48,13 @@ def user_cache() -> Path:
     return Path(os.environ.get("XDG_CACHE_HOME") or base) / "robins"
 
 
+def temporary_cache() -> Path:
+    """A folder among the temporary files that later processes find again, unless somebody else owns it: caches hold code."""
+    folder = Path(tempfile.gettempdir()) / f"robins-{os.getuid()}"
+    folder.mkdir(mode=0o700, exist_ok=True)
+    return folder if folder.stat().st_uid == os.getuid() else Path(tempfile.mkdtemp(prefix="robins-"))
+
+
 def prune(parent: Path, keep: Path) -> None:
     """Delete all but the `KEPT_CACHES` most recently used caches in `parent`; never `keep`, nor a folder that is not a cache.
 
@@ -76,8 +83,8 @@ def activate() -> Path:
             pass
         prune(folder.parent, keep=folder)
     except OSError as error:
-        folder = Path(tempfile.gettempdir()) / f"robins-{os.getuid()}" / digest
-        folder.mkdir(parents=True, exist_ok=True)
+        folder = temporary_cache() / digest
+        folder.mkdir(exist_ok=True)
         warnings.warn(f"cannot write the compile cache ({error}); using {folder}", RuntimeWarning, stacklevel=2)
     numba.config.CACHE_DIR = str(folder)
     return folder
