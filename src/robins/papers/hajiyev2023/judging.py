@@ -21,7 +21,7 @@ def ends(low: float, high: float) -> tuple[float | str, float | str]:
 
 def ratio_row(claim_id: str, quantity: str, condition: str, summary: RatioSummary, variant: str, verdict: str, reason: str, **more) -> Row:
     """A row of the ledger for a paired ratio, with the interval that decides."""
-    interval = ends(summary.verdict_low, summary.verdict_high)
+    interval = ends(summary.verdict_low, summary.verdict_high) if summary.survivors else ("", "")
     ours = finite_or_failed(summary.estimate)
     return Row(claim_id, quantity, condition, ours, *interval, summary.n, variant, verdict, reason, unit="1", **more)
 
