@@ -207,7 +207,8 @@ def judge_autonomy(results: Results) -> list[Row]:
 
 
 def _claim(claim_id: str, statement: str, judge, needs: Iterable[str], minimum: int = MINIMUM) -> Claim:
-    return Claim(claim_id, statement, judge, tuple(needs), (__name__,), "runs", minimum)
+    module = getattr(judge, "func", judge).__module__
+    return Claim(claim_id, statement, judge, tuple(needs), (module,), "runs", minimum)
 
 
 CLAIMS: tuple[Claim, ...] = (
