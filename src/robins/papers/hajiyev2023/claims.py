@@ -133,12 +133,13 @@ def listing(verdicts: Mapping[str, str]) -> str:
 
 def judge_faulty_channels(results: Results) -> list[Row]:
     """C12: is the AMDKF more accurate in the faulty channels, and in those that they affect?"""
-    rows, faulty, everything = [], {}, {}
+    rows, faulty, everything, told = [], {}, {}, []
     n = results.settings.sizes["runs"]
     for branch in BRANCHES:
         found = state_verdicts(results, (*FAULTY, *AFFECTED), branch)
         faulty[branch] = together(found[state] for state in FAULTY)
         everything[branch] = together(found.values())
+        told.append(f"{branch} ({listing(found)})")
         for states, words, verdict in (
             (FAULTY, "faulty channels q and theta", faulty[branch]),
             (AFFECTED, "affected states u and w", together(found[state] for state in AFFECTED)),
@@ -150,10 +151,9 @@ def judge_faulty_channels(results: Results) -> list[Row]:
             verdict, reason = direction_rule(summary, "better", MINIMUM, Verdict.REPLICATED)
             reason = f"Does the fault multiply the AMDKF's error by less than the MDKF's? {reason}"
             rows.append(ratio_row("C12", f"harm by the fault, {state}", branch, summary, ADAPTED.name, verdict, reason))
-    verdict, reason = combine(everything)
-    if verdict != Verdict.TOO_SMALL and len(set(everything.values())) == 1 and verdict == Verdict.DEPENDS:
-        reason = f"Partly, in both branches: the states disagree ({listing(everything)})."
-    reason = f"{reason} The faulty channels alone: {listing(faulty)}."
+    verdict, _ = combine(everything)
+    states = "The states or the branches disagree" if verdict == Verdict.DEPENDS else "All states and both branches together"
+    reason = f"{states}: {', '.join(told)}. The faulty channels together: {listing(faulty)}."
     return [*rows, without_interval("C12", "faulty and affected channels", n, ADAPTED.name, verdict, reason)]
 
 

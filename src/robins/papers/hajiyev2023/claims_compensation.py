@@ -31,7 +31,7 @@ def judge_compensation(results: Results) -> list[Row]:
                 verdicts[f"{branch}, {row.variant}, {state}"] = row.verdict
     rows += [unaffected_row(results, branch, state) for branch in BRANCHES for state in LONGITUDINAL]
     n = results.settings.sizes["runs"]
-    reason = "The paper says what the errors are small against nowhere; its figures have no axes that can be read."
+    reason = "The paper does not say against what the errors are small, and the axes of its figures cannot be read."
     rows.append(without_interval("C13", "state estimate errors relatively minimal", n, AMDKF, Verdict.UNTESTABLE, reason, "as stated"))
     return [*rows, without_interval("C13", "compensation of INS errors", n, f"{AMDKF}, {MDKF}", *overall(verdicts))]
 

@@ -166,7 +166,7 @@ def direction_rule(summary: RatioSummary, side: str, minimum: int, best: Verdict
     if not summary.survivors:
         return Verdict.NOT_REPLICATED, f"No run survives in both, so there is no ratio.{failures(summary)}"
     found = (
-        f"The geometric mean ratio is {summary.estimate:.3g} (95 % interval {summary.verdict_low:.3g} to {summary.verdict_high:.3g}, "
+        f"The geometric mean ratio is {summary.estimate:.4g} (95 % interval {summary.verdict_low:.4g} to {summary.verdict_high:.4g}, "
         f"{summary.n} runs); the claim asks for a ratio {'below' if side == 'better' else 'above'} 1"
     )
     remarks = f"{failures(summary)}{bootstrap_remark(summary)}"

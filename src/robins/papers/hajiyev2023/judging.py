@@ -55,7 +55,7 @@ def no_change_rule(low: float, high: float, n: int) -> tuple[Verdict, str]:
     if n < MINIMUM:
         return Verdict.TOO_SMALL, f"{n} runs; the rule asks for at least {MINIMUM}."
     band = f"{1 - MATERIAL:g} to {1 + MATERIAL:g}"
-    found = f"The 95 % interval {low:.3g} to {high:.3g} ({n} runs)"
+    found = f"The 95 % interval {low:.4g} to {high:.4g} ({n} runs)"
     if low >= 1 - MATERIAL and high <= 1 + MATERIAL:
         return Verdict.REPLICATED, f"{found} lies inside {band}, which counts as no change."
     if high < 1 - MATERIAL or low > 1 + MATERIAL:
