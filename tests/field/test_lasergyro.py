@@ -94,7 +94,7 @@ def test_tables_have_unique_keys_and_no_missing_cell(tables):
 
 
 def test_figures_can_be_saved_and_label_their_axes(recording_path, tmp_path):
-    drawn = lasergyro.figures(recording_path, np.random.default_rng(5))
+    drawn = lasergyro.figures(recording_path)
     assert set(drawn) == {"extra-residuals", "extra-allan"}
     (allan,) = drawn["extra-allan"].axes
     assert (allan.get_xlabel(), allan.get_ylabel()) == ("averaging time [s]", "Allan deviation [deg/h]")

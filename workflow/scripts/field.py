@@ -17,7 +17,7 @@ with steps.running(snakemake):
     for name, frame in lasergyro.tables(recording, generator).items():
         tables.write_csv(frame, folder / "laser-gyro" / f"{name}.csv")
         entries[f"laser-gyro/{name}.csv"] = manifest.entry("field", None, snakemake.params.source)
-    for name, figure in lasergyro.figures(recording, generator).items():
+    for name, figure in lasergyro.figures(recording).items():
         style.save(figure, folder / "laser-gyro" / f"{name}.png")
         entries[f"laser-gyro/{name}.png"] = manifest.entry("field", None, snakemake.params.source)
     provenance = {"source": psins.SOURCE, "sha256": psins.SHA256, "licence": psins.LICENCE, "seed": snakemake.params.seed}

@@ -88,7 +88,7 @@ def alignment_table(recording: psins.Recording, quiet: psins.Recording) -> pd.Da
 def diagnostics_table(quiet: psins.Recording, generator: np.random.Generator) -> pd.DataFrame:
     """Every diagnostic of the gyros [deg/h] and accelerometers [m/s^2] in the quiet part."""
     rate_hz, block = 1 / quiet.interval, round(BLOCK_SECONDS / quiet.interval)
-    series = {"gyro [deg/h]": quiet.rate_b / DEGREE_PER_HOUR, "accelerometer [m/s^2]": quiet.specific_force_b}
+    series = {"gyro (deg/h)": quiet.rate_b / DEGREE_PER_HOUR, "accelerometer [m/s^2]": quiet.specific_force_b}
     return pd.concat(
         [diagnose(name, samples, rate_hz, generator=generator, channels=CHANNELS, block=block) for name, samples in series.items()],
         ignore_index=True,
@@ -113,11 +113,8 @@ def allan_table(quiet: psins.Recording) -> pd.DataFrame:
     return pd.concat(rows, ignore_index=True)[["estimator", "channel", "tau", "deviation", "low", "high", "unit", "noise"]]
 
 
-def figures(path, generator: np.random.Generator) -> dict[str, Figure]:
-    """The figures of the recording at `path`: ``extra-residuals`` and ``extra-allan``.
-
-    `generator` is not drawn from: a figure shows all samples. It is there because every experiment is called alike.
-    """
+def figures(path) -> dict[str, Figure]:
+    """The figures of the recording at `path`: ``extra-residuals`` and ``extra-allan``."""
     quiet = psins.read(path).between(*QUIET)
     drawn = [pictures(rate, 1 / quiet.interval) for rate in quiet.rate_b.T / DEGREE_PER_HOUR]
     with style.use():
@@ -132,10 +129,10 @@ def draw_residuals(drawn: list[Pictures], interval: float) -> Figure:
         draw_quantiles(left, picture)
         draw_histogram(middle, picture)
         draw_autocorrelation(right, picture, interval)
-        left.set_ylabel(f"{channel} gyro [deg/h]")
-    for axis, title in zip(axes[0], ("normal Q-Q", "density [h/deg]", "autocorrelation"), strict=True):
+        left.set_ylabel(f"{channel} gyro (deg/h)")
+    for axis, title in zip(axes[0], ("normal Q-Q", "density (h/deg)", "autocorrelation"), strict=True):
         axis.set_title(title)
-    for axis, label in zip(axes[-1], ("standard normal quantile", "rate [deg/h]", "lag [s]"), strict=True):
+    for axis, label in zip(axes[-1], ("standard normal quantile", "rate (deg/h)", "lag (s)"), strict=True):
         axis.set_xlabel(label)
     axes[0, 0].legend(loc="upper left")
     axes[0, 1].legend(loc="upper left")
@@ -182,6 +179,6 @@ def draw_allan(drawn: list[Pictures]) -> Figure:
         end = (start * decade, level * decade**slope)
         axis.plot([start, end[0]], [level, end[1]], color=style.GREY, linestyle=":")
         axis.annotate(name, end, xytext=(4, 0), textcoords="offset points", color=style.GREY, va="center")
-    axis.set(xscale="log", yscale="log", xlabel="averaging time [s]", ylabel="Allan deviation [deg/h]")
+    axis.set(xscale="log", yscale="log", xlabel="averaging time (s)", ylabel="Allan deviation (deg/h)")
     axis.legend(loc="upper right")
     return figure

@@ -93,6 +93,7 @@ DIAGNOSTICS_FIGURE = Figure(
     draw=draw_diagnostics,
     needs=("aircraft-deg",),
     modules=(__name__,),
-    caption="Left: normal Q-Q plot with the pointwise 95 % band; middle: histogram, fitted normal density and, where it is known, the true one; right: autocorrelation "
-    "with the 95 % band of white noise. One run of 201 epochs; substitute aircraft (F-4C), deg branch.",
+    caption="Left: normal Q-Q plot with the pointwise 95 % band; middle: histogram, fitted normal density and, where it is "
+    "known, the true one; right: autocorrelation with the 95 % band of white noise. One run of 201 epochs; substitute "
+    "aircraft (F-4C), deg branch.",
 )
