@@ -2,15 +2,22 @@
 
 Plain loops beat a BLAS call below about fifteen states. All functions write into arrays that the
 caller owns; ``out`` must not share memory with an input unless the docstring allows it. Zero factors
-are skipped in `multiply` and `congruence`: transition matrices are mostly zeros, and the test for zero
-finds that structure without a table of it.
+are skipped where a docstring says so: transition matrices are mostly zeros, and the test for zero finds
+that structure without a table of it.
 """
 
 import numpy as np
 from numba import njit
 
+kernel = njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+"""Decorator for a function that only fills arrays which it is given.
 
-@njit(cache=True)
+Such a function needs no reference counts, and counting them (atomically) took a quarter of a filter's step; nor does
+it allocate, take slices or raise, and a division by zero gives infinity or NaN. What it calls must be of the same kind.
+"""
+
+
+@kernel
 def assign(A, out):
     """``out = A`` for two matrices of one shape.
 
@@ -21,7 +28,7 @@ def assign(A, out):
             out[i, j] = A[i, j]
 
 
-@njit(cache=True)
+@kernel
 def multiply(A, B, out):
     """``out = A B`` for shapes ``(n, k)``, ``(k, m)``, ``(n, m)``; skips zeros of `A`."""
     n, inner = A.shape
@@ -29,14 +36,31 @@ def multiply(A, B, out):
     for i in range(n):
         for j in range(m):
             out[i, j] = 0.0
-        for k in range(inner):
+    for k in range(inner):  # outermost: consecutive rows of `out` then do not wait for each other
+        for i in range(n):
             factor = A[i, k]
             if factor != 0.0:
                 for j in range(m):
                     out[i, j] += factor * B[k, j]
 
 
-@njit(cache=True)
+@kernel
+def multiply_sparse(A, B, out):
+    """``out = A B`` as `multiply`, but skips zeros of `B`: for a full `A` and a `B` that is mostly zeros."""
+    n, inner = A.shape
+    m = B.shape[1]
+    for i in range(n):
+        for j in range(m):
+            out[i, j] = 0.0
+    for k in range(inner):
+        for j in range(m):
+            factor = B[k, j]
+            if factor != 0.0:
+                for i in range(n):
+                    out[i, j] += A[i, k] * factor
+
+
+@kernel
 def times_vector(A, x, out):
     """``out = A x`` for shapes ``(n, k)``, ``(k,)``, ``(n,)``."""
     for i in range(A.shape[0]):
@@ -46,24 +70,51 @@ def times_vector(A, x, out):
         out[i] = total
 
 
-@njit(cache=True)
+@kernel
 def congruence(T, A, out):
-    """``out = T A^T`` where the result is known to be symmetric (``T = A P``): upper half, then mirrored."""
+    """``out = T A^T`` where the result is known to be symmetric (``T = A P``): lower half, then mirrored; skips zeros of `A`."""
+    n, inner = A.shape
+    for j in range(n):
+        for i in range(j + 1):
+            out[j, i] = 0.0
+        for k in range(inner):
+            factor = A[j, k]
+            if factor != 0.0:
+                for i in range(j + 1):
+                    out[j, i] += T[i, k] * factor
+        for i in range(j):
+            out[i, j] = out[j, i]
+
+
+@kernel
+def congruence_pair(T, A, V, B, out):
+    """``out = T A^T + V B^T`` where the result is known to be symmetric; T, A ``(n, k)`` and V, B ``(n, l)``, all full."""
     n, inner = A.shape
     for i in range(n):
-        for j in range(i, n):
+        for j in range(i, n - 1, 2):  # two at a time: neither waits for the other's sum
+            first = second = 0.0
+            for k in range(inner):
+                factor = T[i, k]
+                first += factor * A[j, k]
+                second += factor * A[j + 1, k]
+            for k in range(B.shape[1]):
+                factor = V[i, k]
+                first += factor * B[j, k]
+                second += factor * B[j + 1, k]
+            out[i, j] = out[j, i] = first
+            out[i, j + 1] = out[j + 1, i] = second
+        if (n - i) % 2 == 1:
             total = 0.0
             for k in range(inner):
-                factor = A[j, k]
-                if factor != 0.0:
-                    total += T[i, k] * factor
-            out[i, j] = total
-            out[j, i] = total
+                total += T[i, k] * A[n - 1, k]
+            for k in range(B.shape[1]):
+                total += V[i, k] * B[n - 1, k]
+            out[i, n - 1] = out[n - 1, i] = total
 
 
-@njit(cache=True)
+@kernel
 def cholesky(S, L):
-    """Lower Cholesky factor of `S` into `L` (upper half set to zero); both ``(m, m)``.
+    """Lower Cholesky factor of `S` into `L` (upper half set to zero); both ``(m, m)``, and `L` may be `S`.
 
     Returns False, leaving `L` undefined, when a pivot is not positive or not finite.
     """
@@ -85,7 +136,7 @@ def cholesky(S, L):
     return True
 
 
-@njit(cache=True)
+@kernel
 def whiten(L, b, out):
     """``out = L^-1 b`` for a lower triangular ``(m, m)`` factor; `out` may be `b`."""
     for i in range(L.shape[0]):
@@ -95,18 +146,23 @@ def whiten(L, b, out):
         out[i] = total / L[i, i]
 
 
-@njit(cache=True)
+@kernel
 def solve_rows(L, B):
     """Overwrite every row ``b`` of `B`, shape ``(n, m)``, by ``(L L^T)^-1 b``: ``B <- B S^-1`` for ``S = L L^T``."""
-    m = L.shape[0]
-    for r in range(B.shape[0]):
-        for i in range(m):
-            total = B[r, i]
-            for k in range(i):
-                total -= L[i, k] * B[r, k]
-            B[r, i] = total / L[i, i]
-        for i in range(m - 1, -1, -1):
-            total = B[r, i]
-            for k in range(i + 1, m):
-                total -= L[k, i] * B[r, k]
-            B[r, i] = total / L[i, i]
+    n, m = B.shape
+    for i in range(m):
+        for k in range(i):
+            factor = L[i, k]
+            for r in range(n):  # innermost: no row waits for another
+                B[r, i] -= factor * B[r, k]
+        inverse = 1.0 / L[i, i]
+        for r in range(n):
+            B[r, i] *= inverse
+    for i in range(m - 1, -1, -1):
+        for k in range(i + 1, m):
+            factor = L[k, i]
+            for r in range(n):
+                B[r, i] -= factor * B[r, k]
+        inverse = 1.0 / L[i, i]
+        for r in range(n):
+            B[r, i] *= inverse

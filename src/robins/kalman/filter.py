@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from robins.foundation.smallmat import assign, multiply, solve_rows, times_vector, whiten
+from robins.foundation.smallmat import assign, kernel, multiply, solve_rows, times_vector, whiten
 from robins.kalman.differencing import correlate_prediction
 from robins.kalman.extension import entry_point
 from robins.kalman.model import linearise_observation, observe, propagate
@@ -69,14 +69,14 @@ def empty_record(runs, epochs, states, channels, variances):
     )  # fmt: skip
 
 
-@njit(cache=True)
+@kernel
 def record_states(x, states):
     """Copy the leading states out."""
     for i in range(states.size):
         states[i] = x[i]
 
 
-@njit(cache=True)
+@kernel
 def record_moments(x, P, states, variances):
     """Copy the leading states and their variances out."""
     record_states(x, states)
@@ -107,7 +107,7 @@ def record_delayed(work, states, variances, earlier, earlier_variances):
             variances[i] -= row[j] * row[j]
 
 
-@njit(cache=True)
+@kernel
 def is_sound(x, P):
     """Whether the state and its variances are finite."""
     for i in range(x.size):
@@ -191,7 +191,7 @@ def run_filter(predictor, model, sensor, weighting, x0, P0, controls, measuremen
     return record
 
 
-@njit(cache=True)
+@kernel
 def record_update(work, weights, record, run, k):
     """Copy innovation, its variance, weights and gain norms of one update out."""
     for j in range(weights.size):

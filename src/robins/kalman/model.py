@@ -37,25 +37,25 @@ def linearise_observation(sensor, x, u, H):
     return kernel_of("linearise_observation", sensor)(sensor, x, u, H)
 
 
-@overload(propagate)
+@overload(propagate, jit_options={"forceinline": True})
 def _propagate(model, x, u):
     kernel = kernel_of("propagate", model)
     return lambda model, x, u: kernel(model, x, u)
 
 
-@overload(linearise)
+@overload(linearise, jit_options={"forceinline": True})
 def _linearise(model, x, u, F, Q):
     kernel = kernel_of("linearise", model)
     return lambda model, x, u, F, Q: kernel(model, x, u, F, Q)
 
 
-@overload(observe)
+@overload(observe, jit_options={"forceinline": True})
 def _observe(sensor, x, u, z):
     kernel = kernel_of("observe", sensor)
     return lambda sensor, x, u, z: kernel(sensor, x, u, z)
 
 
-@overload(linearise_observation)
+@overload(linearise_observation, jit_options={"forceinline": True})
 def _linearise_observation(sensor, x, u, H):
     kernel = kernel_of("linearise_observation", sensor)
     return lambda sensor, x, u, H: kernel(sensor, x, u, H)

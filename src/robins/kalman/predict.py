@@ -9,7 +9,7 @@ import numpy as np
 from numba import njit
 from numba.extending import overload
 
-from robins.foundation.smallmat import assign, cholesky, congruence, multiply
+from robins.foundation.smallmat import assign, cholesky, congruence, kernel, multiply
 from robins.kalman.model import linearise, propagate
 
 
@@ -25,7 +25,15 @@ class Ukf(NamedTuple):
     kappa: float = 0.0
 
 
-@njit(cache=True)
+@kernel
+def propagate_covariance(F, Q, FP, P):
+    """``P <- F P F^T + Q``; leaves ``F P`` in `FP`."""
+    multiply(F, P, FP)
+    congruence(FP, F, P)
+    add_covariance(P, Q)
+
+
+@kernel
 def add_covariance(P, Q):
     """``P += Q`` for symmetric matrices."""
     for i in range(P.shape[0]):
@@ -47,17 +55,16 @@ def predict(predictor, model, x, P, u, work):
     raise NotImplementedError("predict runs inside compiled code")
 
 
-@overload(predict)
+@overload(predict, jit_options={"forceinline": True})
 def _predict(predictor, model, x, P, u, work):
     kind = getattr(predictor, "instance_class", None)
     if kind is Ekf:
 
         def extended(predictor, model, x, P, u, work):
-            linearise(model, x, u, work.F, work.Q)
+            F, Q, FP = work.F, work.Q, work.FP
+            linearise(model, x, u, F, Q)
             propagate(model, x, u)
-            multiply(work.F, P, work.FP)
-            congruence(work.FP, work.F, P)
-            add_covariance(P, work.Q)
+            propagate_covariance(F, Q, FP, P)
             return True
 
         return extended

@@ -19,7 +19,8 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from robins.foundation.smallmat import cholesky, congruence, multiply, solve_rows, whiten
+from robins.foundation.smallmat import cholesky, congruence_pair, kernel, multiply, multiply_sparse, solve_rows, whiten
+from robins.kalman.noise import weighted_noise
 
 
 class Workspace(NamedTuple):
@@ -62,113 +63,146 @@ def workspace(n, m):
     )  # fmt: skip
 
 
-@njit(cache=True)
-def weighted_noise(R, R_fixed, weights, out):
-    """``out = R^1/2 diag(1/w) R^T/2 + R_fixed`` with the lower Cholesky factor as root; all ``(m, m)``.
-
-    A channel of weight zero is left out: its row and column are those of the unit matrix. Returns False when the rest
-    of `R` is neither diagonal nor positive definite.
-    """
-    m = R.shape[0]
-    diagonal = True
-    for i in range(m):
-        for j in range(m):
-            kept = weights[i] > 0.0 and weights[j] > 0.0
-            out[i, j] = R_fixed[i, j] if kept else 0.0
-            if kept and i != j and R[i, j] != 0.0:
-                diagonal = False
-    if diagonal:
-        for i in range(m):
-            out[i, i] += R[i, i] / weights[i] if weights[i] > 0.0 else 1.0
-        return True
-    kept_R, root = R.copy(), np.zeros((m, m))
-    for i in range(m):
-        if weights[i] == 0.0:
-            for j in range(m):
-                kept_R[i, j] = kept_R[j, i] = 0.0
-            kept_R[i, i] = 1.0
-    if not cholesky(kept_R, root):
-        return False
-    for i in range(m):
-        for j in range(m):
-            for k in range(min(i, j) + 1):
-                out[i, j] += root[i, k] * root[j, k] / (weights[k] if weights[k] > 0.0 else 1.0)
-    return True
-
-
-@njit(cache=True)
-def innovation_covariance(P, H, R, C, correlated, weights, PH, S):
-    """``PH = P H^T + C`` and ``S = H P H^T + R + H C + C^T H^T`` (C only where `correlated`).
-
-    A channel of weight zero has zeros in `PH` and, besides its element of `R`, in `S`.
-    """
+@kernel
+def cross_covariance(P, H, weights, PH):
+    """``PH = P H^T`` for a symmetric P, with zeros for a channel of weight zero."""
     n, m = PH.shape
     for i in range(n):
         for j in range(m):
             PH[i, j] = 0.0
     for j in range(m):
-        if weights[j] > 0.0:
-            for k in range(n):
-                factor = H[j, k]
-                if factor != 0.0:
-                    for i in range(n):
-                        PH[i, j] += P[k, i] * factor
-    for a in range(m):
-        for b in range(a, m):
-            total = R[a, b]
-            if weights[a] > 0.0:
-                for k in range(n):
-                    factor = H[a, k]
-                    if factor != 0.0:
-                        total += factor * PH[k, b]
-            S[a, b] = total
-    if correlated:
-        for a in range(m):
-            for b in range(a, m):
-                if weights[a] > 0.0 and weights[b] > 0.0:
-                    for k in range(n):
-                        S[a, b] += H[a, k] * C[k, b] + C[k, a] * H[b, k]
-        for j in range(m):
-            if weights[j] > 0.0:
+        for k in range(n):
+            factor = H[j, k]
+            if factor != 0.0 and weights[j] > 0.0:
                 for i in range(n):
-                    PH[i, j] += C[i, j]
+                    PH[i, j] += P[k, i] * factor
+
+
+@kernel
+def project(PH, H, R, weights, S):
+    """``S = H PH + R``: lower half, then mirrored; nothing but R for a channel of weight zero."""
+    n, m = PH.shape
+    for a in range(m):
+        for b in range(a + 1):
+            S[a, b] = R[a, b]
+        for k in range(n):
+            factor = H[a, k]
+            if factor != 0.0 and weights[a] > 0.0:
+                for b in range(a + 1):
+                    S[a, b] += factor * PH[k, b]
     for a in range(m):
         for b in range(a):
-            S[a, b] = S[b, a]
+            S[b, a] = S[a, b]
 
 
-@njit(cache=True)
-def joseph(P, K, H, R, C, correlated, work):
-    """Joseph form of the posterior covariance, in place; valid for any gain. See the module's docstring."""
+@kernel
+def add_correlation(H, C, weights, PH, S):
+    """``PH += C`` and ``S += H C + C^T H^T`` for the channels whose weight is not zero."""
+    n, m = PH.shape
+    for a in range(m):
+        if weights[a] > 0.0:
+            for i in range(n):
+                PH[i, a] += C[i, a]
+            for b in range(a, m):
+                if weights[b] > 0.0:
+                    for k in range(n):
+                        S[a, b] += H[a, k] * C[k, b] + C[k, a] * H[b, k]
+                    S[b, a] = S[a, b]
+
+
+@kernel
+def innovation_covariance(P, H, R, C, correlated, weights, PH, S):
+    """``PH = P H^T + C`` and ``S = H P H^T + R + H C + C^T H^T`` (C only where `correlated`).
+
+    A channel of weight zero has zeros in `PH` and, besides its element of `R`, in `S`.
+    """
+    cross_covariance(P, H, weights, PH)
+    project(PH, H, R, weights, S)
+    if correlated:
+        add_correlation(H, C, weights, PH, S)
+
+
+@kernel
+def remainder(K, H, out):
+    """``out = I - K H``."""
     n, m = K.shape
-    A, AP, KR = work.A, work.T, work.KR
     for i in range(n):
         for j in range(n):
-            A[i, j] = 0.0
-        A[i, i] = 1.0
-        for k in range(m):
-            gain = K[i, k]
-            for j in range(n):
-                A[i, j] -= gain * H[k, j]
-    multiply(A, P, AP)
-    congruence(AP, A, P)
-    multiply(K, R, KR)
+            out[i, j] = 0.0
+        out[i, i] = 1.0
+    for k in range(m):
+        for j in range(n):
+            factor = H[k, j]
+            if factor != 0.0:
+                for i in range(n):
+                    out[i, j] -= K[i, k] * factor
+
+
+@kernel
+def subtract_correlation(A, C, K, AC, P):
+    """``P -= A C K^T + K C^T A^T``; leaves ``A C`` in `AC`."""
+    n, m = K.shape
+    multiply(A, C, AC)
     for i in range(n):
         for j in range(i, n):
             for k in range(m):
-                P[i, j] += KR[i, k] * K[j, k]
+                P[i, j] -= AC[i, k] * K[j, k] + K[i, k] * AC[j, k]
             P[j, i] = P[i, j]
+
+
+@kernel
+def joseph(P, K, H, R, C, correlated, work):
+    """Joseph form of the posterior covariance, in place; valid for any gain. See the module's docstring."""
+    A, AP, KR = work.A, work.T, work.KR
+    remainder(K, H, A)
+    multiply(A, P, AP)
+    multiply_sparse(K, R, KR)
+    congruence_pair(AP, A, KR, K, P)
     if correlated:
-        AC = np.zeros((n, m))
-        multiply(A, C, AC)
-        for i in range(n):
-            for j in range(i, n):
-                for k in range(m):
-                    P[i, j] -= AC[i, k] * K[j, k] + K[i, k] * AC[j, k]
-                P[j, i] = P[i, j]
+        subtract_correlation(A, C, K, KR, P)
 
 
-@njit(cache=True)
+@kernel
+def kept_innovation(innovation, weights, out):
+    """The innovation with zeros for the channels of weight zero; False when a weight is negative or not finite."""
+    valid = True
+    for j in range(weights.size):
+        if not 0.0 <= weights[j] < np.inf:
+            valid = False
+        out[j] = innovation[j] if weights[j] > 0.0 else 0.0
+    return valid
+
+
+@kernel
+def whitened_square(L, b):
+    """Whiten `b` in place and return the sum of its squares."""
+    whiten(L, b, b)
+    total = 0.0
+    for j in range(b.size):
+        total += b[j] * b[j]
+    return total
+
+
+@kernel
+def correct(x, K, innovation, weights):
+    """``x += K Delta`` without the channels of weight zero, whatever their innovation."""
+    for i in range(x.size):
+        total = x[i]
+        for j in range(weights.size):
+            if weights[j] > 0.0:
+                total += K[i, j] * innovation[j]
+        x[i] = total
+
+
+@kernel
+def mark_removed(weights, S, L):
+    """Infinite diagonal elements for the channels of weight zero, as `Workspace` promises."""
+    for j in range(weights.size):
+        if weights[j] == 0.0:
+            S[j, j] = L[j, j] = np.inf
+
+
+@kernel
 def update(x, P, innovation, H, R, R_fixed, C, correlated, weights, work):
     """Update the state `x` ``(n,)`` and covariance `P` ``(n, n)`` in place.
 
@@ -189,30 +223,17 @@ def update(x, P, innovation, H, R, R_fixed, C, correlated, weights, work):
         as they were, when the innovation covariance is not positive definite, when an innovation that takes part is
         not finite, or when a weight is negative or not finite.
     """
-    K, L, white = work.K, work.L, work.white
-    m = innovation.size
-    for j in range(m):
-        if not 0.0 <= weights[j] < np.inf:
-            return np.nan
-        white[j] = innovation[j] if weights[j] > 0.0 else 0.0
-    if not weighted_noise(R, R_fixed, weights, work.R):
+    K, S, L, white, R_bar = work.K, work.S, work.L, work.white, work.R
+    if not (kept_innovation(innovation, weights, white) and weighted_noise(R, R_fixed, weights, R_bar)):
         return np.nan
-    innovation_covariance(P, H, work.R, C, correlated, weights, K, work.S)
-    if not cholesky(work.S, L):
+    innovation_covariance(P, H, R_bar, C, correlated, weights, K, S)
+    if not cholesky(S, L):
         return np.nan
-    whiten(L, white, white)
-    nis = 0.0
-    for j in range(m):
-        nis += white[j] * white[j]
+    nis = whitened_square(L, white)
     if not np.isfinite(nis):
         return np.nan
     solve_rows(L, K)
-    for i in range(x.size):
-        for j in range(m):
-            if weights[j] > 0.0:
-                x[i] += K[i, j] * innovation[j]
-    joseph(P, K, H, work.R, C, correlated, work)
-    for j in range(m):
-        if weights[j] == 0.0:
-            work.S[j, j] = L[j, j] = np.inf
+    correct(x, K, innovation, weights)
+    joseph(P, K, H, R_bar, C, correlated, work)
+    mark_removed(weights, S, L)
     return nis
