@@ -56,7 +56,7 @@ def test_every_row_of_the_alignment_says_that_there_is_one_recording(alignment):
 
 
 def test_excess_kurtosis_of_the_gyros_is_the_known_one(tables):
-    table = tables["extra-diagnostics"].query("series == 'gyro [deg/h]' and test == 'excess kurtosis'")
+    table = tables["extra-diagnostics"].query("series == 'gyro (deg/h)' and test == 'excess kurtosis'")
     assert tuple(table.channel) == lasergyro.CHANNELS
     np.testing.assert_allclose(table.statistic, [27, 197, 19], atol=0.5)
     assert (table.ci_low.astype(float) > 10).all()  # heavy tails beyond doubt
@@ -97,7 +97,7 @@ def test_figures_can_be_saved_and_label_their_axes(recording_path, tmp_path):
     drawn = lasergyro.figures(recording_path)
     assert set(drawn) == {"extra-residuals", "extra-allan"}
     (allan,) = drawn["extra-allan"].axes
-    assert (allan.get_xlabel(), allan.get_ylabel()) == ("averaging time [s]", "Allan deviation [deg/h]")
+    assert (allan.get_xlabel(), allan.get_ylabel()) == ("averaging time (s)", "Allan deviation (deg/h)")
     assert len(drawn["extra-residuals"].axes) == 9
     for name, figure in drawn.items():
         style.save(figure, tmp_path / f"{name}.png")

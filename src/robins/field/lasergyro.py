@@ -86,9 +86,9 @@ def alignment_table(recording: psins.Recording, quiet: psins.Recording) -> pd.Da
 
 
 def diagnostics_table(quiet: psins.Recording, generator: np.random.Generator) -> pd.DataFrame:
-    """Every diagnostic of the gyros [deg/h] and accelerometers [m/s^2] in the quiet part."""
+    """Every diagnostic of the gyros [deg/h] and accelerometers (m/s^2) in the quiet part."""
     rate_hz, block = 1 / quiet.interval, round(BLOCK_SECONDS / quiet.interval)
-    series = {"gyro (deg/h)": quiet.rate_b / DEGREE_PER_HOUR, "accelerometer [m/s^2]": quiet.specific_force_b}
+    series = {"gyro (deg/h)": quiet.rate_b / DEGREE_PER_HOUR, "accelerometer (m/s^2)": quiet.specific_force_b}
     return pd.concat(
         [diagnose(name, samples, rate_hz, generator=generator, channels=CHANNELS, block=block) for name, samples in series.items()],
         ignore_index=True,
