@@ -6,7 +6,6 @@ its p-values are too small; `robins.diagnostics.whiteness` says whether that is 
 
 import numpy as np
 from scipy import stats
-from statsmodels.stats.diagnostic import lilliefors as statsmodels_lilliefors
 
 from robins.diagnostics.finding import Finding, checked
 
@@ -45,6 +44,8 @@ def lilliefors(samples) -> Finding:
 
     statsmodels interpolates simulated critical values, so the p-value is clipped to [0.001, 0.99].
     """
+    from statsmodels.stats.diagnostic import lilliefors as statsmodels_lilliefors  # half a second, in jobs that test nothing too
+
     samples = checked(samples)
     statistic, p_value = statsmodels_lilliefors(samples, dist="norm", pvalmethod="table")
     return Finding("lilliefors", samples.size, float(statistic), float(p_value), note="parameters estimated; p-value within [0.001, 0.99]")

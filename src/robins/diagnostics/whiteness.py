@@ -5,7 +5,6 @@ from typing import NamedTuple
 
 import numpy as np
 from scipy import stats
-from statsmodels.tsa.stattools import acf, q_stat
 
 from robins.diagnostics.finding import LEVEL, Finding, checked
 
@@ -32,6 +31,8 @@ class Autocorrelation(NamedTuple):
 
 def autocorrelation(samples, lags: int = LAGS) -> Autocorrelation:
     """Autocorrelation of `samples`, shape (N,), at lags 0 to `lags`."""
+    from statsmodels.tsa.stattools import acf  # half a second, in jobs that test nothing too
+
     samples = checked(samples)
     band = stats.norm.ppf((1 + LEVEL) / 2) / sqrt(samples.size)
     return Autocorrelation(np.arange(lags + 1), acf(samples, nlags=lags, fft=True), band)
@@ -50,6 +51,8 @@ def ljung_box(samples, lags: int = LAGS) -> Finding:
 
     Valid for a raw series; residuals of a model with p fitted coefficients would need lags - p degrees of freedom.
     """
+    from statsmodels.tsa.stattools import q_stat  # as above
+
     samples = checked(samples)
     statistics, p_values = q_stat(autocorrelation(samples, lags).values[1:], samples.size)
     return Finding("ljung-box", samples.size, statistics[-1], p_values[-1], note=f"lags 1 to {lags}")
