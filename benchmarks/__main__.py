@@ -1,0 +1,163 @@
+"""Entry point: ``python -m benchmarks`` from the root of the repository; ``--help`` explains it."""
+
+import argparse
+import datetime
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from benchmarks import ours, peers, reference, system
+from benchmarks.models import Drive, drive
+from benchmarks.rounds import interleave, ratio
+from robins.foundation.files import write_text
+
+EPOCHS = 1000
+AGREEMENT = 1e-10
+"""Greatest absolute difference allowed between our states and covariances and a peer's."""
+
+GOALS = {"filterpy": (1 / 18, 1 / 25), "C": (1.5, 1.1)}
+"""Time over the peer's time: required, and good."""
+
+BUSY = 0.9
+"""Load above which somebody else is at work. Measured: filterpy then takes up to twice its time, C and ours hardly more."""
+
+FIRST_RESULT_GOAL, CORE_SECONDS_GOAL = 2.0, 200.0
+ROOT = Path(__file__).parents[1]
+
+DESCRIPTION = """\
+Times one step of the extended Kalman filter (9 states, 6 measurements at every epoch, Joseph form) against filterpy
+and against the same algorithm in C, in one run: every round times all of them once, the minimum over the rounds
+counts. It first checks that all of them compute the same states and covariances.
+
+Counted is a whole call over 1000 epochs, divided by them. Ours writes its full record (prior and posterior states and
+variances, innovations and their variances, weights, gain norms, NIS), C the states, covariances and NIS, filterpy what
+it keeps itself, its states and its covariances.
+
+Then: seconds to the first result of a second process (disk cache filled), and processor seconds of the standard
+ensemble of each paper, as noted by the last `snakemake` run."""
+
+
+def parse(arguments: list[str]) -> argparse.Namespace:
+    """The command line."""
+    parser = argparse.ArgumentParser("python -m benchmarks", description=DESCRIPTION, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--rounds", type=int, default=15, help="interleaved rounds, at least 7 (default: %(default)s)")
+    parser.add_argument("--record", nargs="?", const=datetime.date.today().isoformat(), metavar="NAME",
+                        help="also write benchmarks/records/NAME.json (default name: today's date)")  # fmt: skip
+    options = parser.parse_args(arguments)
+    if options.rounds < 7:
+        parser.error(f"argument --rounds: found {options.rounds}, expected 7 or more")
+    return options
+
+
+def largest_difference(states: np.ndarray, covariances: np.ndarray, own: tuple[np.ndarray, ...]) -> float:
+    """Largest absolute difference of a peer's states and covariances from ours."""
+    return float(max(np.abs(states - own[0]).max(), np.abs(covariances - own[1]).max()))
+
+
+def agreement(recorded: Drive, in_c: reference.Reference | None) -> dict[str, float]:
+    """Largest difference from each peer, and between the timed run and the one that keeps whole covariances.
+
+    Raises
+    ------
+    SystemExit
+        One is larger than `AGREEMENT`: the times would not compare the same work.
+    """
+    own = ours.run_whole(recorded)
+    timed = ours.run_ours(recorded, ours.weightings()["unit weights"])
+    variances = np.abs(timed.posterior_variance[0] - np.diagonal(own[1], axis1=1, axis2=2)).max()
+    found = {"run_filter": float(max(np.abs(timed.posterior[0] - own[0]).max(), variances))}
+    found["filterpy"] = largest_difference(*peers.run_filterpy(recorded), own)
+    if in_c:
+        in_c.run()
+        found["C"] = largest_difference(in_c.states, in_c.covariances, own)
+    for peer, difference in found.items():
+        if not difference <= AGREEMENT:
+            sys.exit(f"benchmarks: states or covariances of {peer} differ from ours by {difference:.1e}, expected at most {AGREEMENT:.0e}")
+    return found
+
+
+def as_fraction(value: float) -> str:
+    """A ratio below one as ``1/x``, any other as it is."""
+    return f"1/{1 / value:.1f}" if value < 1 else f"{value:.2f}"
+
+
+def verdict(value: float, required: float, good: float) -> str:
+    """How a ratio or time compares with its goals; smaller is better."""
+    return "good" if value <= good else "met" if value <= required else "MISSED"
+
+
+def measure_steps(rounds: int) -> dict:
+    """Times and ratios of the filter step; prints them."""
+    recorded = drive(EPOCHS)
+    try:
+        in_c, why = reference.Reference(recorded), ""
+    except RuntimeError as error:
+        in_c, why = None, str(error)
+    print("compiling the filter for the benchmark's model, which lies outside the package and is not cached ...", flush=True)
+    differences = agreement(recorded, in_c)
+    candidates = {name: lambda weights=weights: ours.run_ours(recorded, weights) for name, weights in ours.weightings().items()}
+    candidates["filterpy"] = lambda: peers.run_filterpy(recorded)
+    if in_c:
+        candidates["C"] = in_c.run
+    print(f"timing {rounds} rounds ...\n", flush=True)
+    seconds = interleave(candidates, rounds)
+    ratios = {name: {peer: ratio(seconds, name, peer) for peer in GOALS if peer in seconds} for name in ours.weightings()}
+    show_steps(seconds, ratios, why)
+    times = {name: {"least": 1e6 * s.min() / EPOCHS, "median": 1e6 * float(np.median(s)) / EPOCHS} for name, s in seconds.items()}
+    return {"epochs": EPOCHS, "rounds": rounds, "differences": differences, "ratios": ratios, "microseconds": times}
+
+
+def show_steps(seconds: dict[str, np.ndarray], ratios: dict, why_no_c: str) -> None:
+    """Print times beside ratios, and the goals."""
+    print(f"{'one step, 9 states, 6 measurements':36}{'us':>8}{'/ filterpy':>12}{'/ C':>8}")
+    for name, each in seconds.items():
+        label = name if name in GOALS else f"robins, {name}"
+        against = [as_fraction(ratios[name][peer]["of_minima"]) if name in ratios and peer in seconds else "" for peer in GOALS]
+        print(f"{label:36}{1e6 * each.min() / EPOCHS:8.2f}{against[0]:>12}{against[1]:>8}")
+    if why_no_c:
+        print(f"{'C':36}not measured: {why_no_c}")
+    for peer, (required, good) in GOALS.items():
+        if found := ratios["unit weights"].get(peer):
+            goal = f"required {as_fraction(required)}, good {as_fraction(good)}"
+            span = f"{as_fraction(found['least'])} to {as_fraction(found['greatest'])} in single rounds"
+            print(f"  against {peer}: {as_fraction(found['of_minima'])} ({goal}): {verdict(found['of_minima'], required, good)}; {span}")
+
+
+def measure_system() -> dict:
+    """First result of a second process and processor seconds of the standard ensembles; prints them."""
+    first = system.first_result()
+    print(
+        f"\nfirst result of a second process    {first:.2f} s (at most {FIRST_RESULT_GOAL:g} s): {verdict(first, FIRST_RESULT_GOAL, 1.0)}"
+    )
+    spent = system.core_seconds(ROOT / "build" / "standard")
+    for paper, total in spent.items():
+        judged = verdict(total, CORE_SECONDS_GOAL, CORE_SECONDS_GOAL)
+        print(f"standard ensemble of {paper:15}{total:.0f} core-seconds (at most {CORE_SECONDS_GOAL:g}): {judged}")
+    if not spent:
+        print("standard ensembles                  nothing noted in build/standard/benchmarks: run snakemake first")
+    return {"first_result_seconds": first, "core_seconds": spent}
+
+
+def main(arguments: list[str]) -> None:
+    """Measure, print and, where asked for, record."""
+    options = parse(arguments)
+    about = system.machine()
+    print(", ".join(f"{key} {value}" for key, value in about.items()))
+    if (about["load"] or 0.0) >= BUSY:
+        print(
+            f"load {about['load']}: other work slows Python's peers more than compiled code, so ratios to filterpy flatter us; wait for quiet"
+        )
+    with threadpool_limits(1):
+        found = {"machine": about, "step": measure_steps(options.rounds), "system": measure_system()}
+    if options.record:
+        path = ROOT / "benchmarks" / "records" / f"{options.record}.json"
+        path.parent.mkdir(exist_ok=True)
+        write_text(path, json.dumps(found, indent=2) + "\n")
+        print(f"\nwritten: {path.relative_to(ROOT)}")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

@@ -1,0 +1,83 @@
+"""Interleaving, what Snakemake noted, the command line and the record; nothing here depends on a time."""
+
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from benchmarks import __main__ as entry
+from benchmarks import system
+from benchmarks.rounds import interleave, ratio
+
+
+def test_candidates_take_turns():
+    calls = []
+    seconds = interleave({"a": lambda: calls.append("a"), "b": lambda: calls.append("b")}, rounds=3, shortest=1e-12)
+    assert "".join(calls) == "ab" * 4  # once before the first round
+    assert all(each.shape == (3,) and (each > 0).all() for each in seconds.values())
+
+
+def test_a_ratio_is_that_of_the_minima_with_the_span_of_single_rounds():
+    seconds = {"ours": np.array([2.0, 1.0, 4.0]), "peer": np.array([4.0, 10.0, 8.0])}
+    assert ratio(seconds, "ours", "peer") == {"of_minima": 0.25, "least": 0.1, "greatest": 0.5}
+
+
+def test_core_seconds_add_up_for_each_paper(tmp_path):
+    folder = tmp_path / "benchmarks" / "toy2024"
+    folder.mkdir(parents=True)
+    header = "s\th:m:s\tmax_rss\tcpu_time\n"
+    (folder / "one.tsv").write_text(header + "3.5\t0:00:03\t100.0\t2.5\n")
+    (folder / "too-short-to-see.tsv").write_text(header + "0.25\t0:00:00\tNA\tNA\n")
+    assert system.core_seconds(tmp_path) == {"toy2024": 2.75}
+    assert system.core_seconds(tmp_path / "elsewhere") == {}
+
+
+def test_the_description_of_the_machine_holds_no_path():
+    described = json.dumps(system.machine())
+    assert str(Path.home()) not in described and str(Path(sys.prefix)) not in described and "/bin/" not in described
+
+
+@pytest.mark.parametrize(("value", "text"), [(1 / 18, "1/18.0"), (1.5, "1.50")])
+def test_a_ratio_below_one_is_a_fraction(value, text):
+    assert entry.as_fraction(value) == text
+
+
+@pytest.mark.parametrize(("value", "word"), [(1.0, "good"), (1.3, "met"), (1.6, "MISSED")])
+def test_a_goal_is_judged(value, word):
+    assert entry.verdict(value, required=1.5, good=1.1) == word
+
+
+def test_too_few_rounds_are_refused(capsys):
+    with pytest.raises(SystemExit):
+        entry.main(["--rounds", "6"])
+    assert "--rounds: found 6, expected 7 or more" in capsys.readouterr().err
+
+
+def test_a_missing_peer_says_why(capsys):
+    each = {"unit weights": np.array([1e-3]), "filterpy": np.array([2e-2])}
+    entry.show_steps(each, {"unit weights": {"filterpy": ratio(each, "unit weights", "filterpy")}}, "no C compiler")
+    printed = capsys.readouterr().out
+    assert "not measured: no C compiler" in printed and "against filterpy: 1/20.0" in printed and "against C" not in printed
+
+
+def test_a_record_is_written_only_on_demand(tmp_path, monkeypatch):
+    monkeypatch.setattr(entry, "ROOT", tmp_path)
+    monkeypatch.setattr(entry, "measure_steps", lambda rounds: {"rounds": rounds})
+    monkeypatch.setattr(entry, "measure_system", lambda: {})
+    (tmp_path / "benchmarks").mkdir()
+    entry.main([])
+    assert not list(tmp_path.rglob("*.json"))
+    entry.main(["--record", "quiet", "--rounds", "9"])
+    written = json.loads((tmp_path / "benchmarks" / "records" / "quiet.json").read_text())
+    assert written["step"] == {"rounds": 9} and written["machine"]["numba"]
+
+
+@pytest.mark.parametrize(("load", "warned"), [(0.1, False), (1.7, True), (None, False)])
+def test_a_busy_machine_is_called_so(load, warned, monkeypatch, capsys):
+    monkeypatch.setattr(system, "machine", lambda: {"load": load})
+    monkeypatch.setattr(entry, "measure_steps", lambda rounds: {})
+    monkeypatch.setattr(entry, "measure_system", lambda: {})
+    entry.main([])
+    assert ("flatter us" in capsys.readouterr().out) is warned
