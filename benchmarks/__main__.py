@@ -147,9 +147,7 @@ def main(arguments: list[str]) -> None:
     about = system.machine()
     print(", ".join(f"{key} {value}" for key, value in about.items()))
     if (about["load"] or 0.0) >= BUSY:
-        print(
-            f"load {about['load']}: other work slows Python's peers more than compiled code, so ratios to filterpy flatter us; wait for quiet"
-        )
+        print(f"load {about['load']}: other work slows filterpy more than compiled code, so its ratios flatter us; wait for quiet")
     with threadpool_limits(1):
         found = {"machine": about, "step": measure_steps(options.rounds), "system": measure_system()}
     if options.record:
