@@ -1,4 +1,8 @@
-"""The measurement noise that a set of weights leaves: ``R^1/2 diag(1/w) R^T/2 + R_fixed``, in place and without allocation."""
+"""The measurement noise that a set of weights leaves: ``R^1/2 diag(1/w) R^T/2 + R_fixed``, in place and without allocation.
+
+``R^1/2`` is the lower Cholesky factor. The other symmetric form, ``S^1/2 R S^1/2`` with ``S = diag(1/w)``, is equal to
+this one for diagonal R only: with correlated channels a weight here changes the variances of later channels too.
+"""
 
 from robins.foundation.smallmat import cholesky, kernel
 

@@ -1,7 +1,7 @@
 """The one measurement update. Every robust filter of this package is this routine with other weights.
 
-``R_bar = R^1/2 diag(1/w) R^T/2 + R_fixed``, then gain by Cholesky and covariance in Joseph form, with an
-optional cross-covariance C between the predicted state's error and the measurement noise:
+``R_bar = R^1/2 diag(1/w) R^T/2 + R_fixed`` (lower Cholesky factor; see `robins.kalman.noise`), then gain by Cholesky and
+covariance in Joseph form, with an optional cross-covariance C between the predicted state's error and the measurement noise:
 
     S = H P H^T + R_bar + H C + C^T H^T
     K = (P H^T + C) S^-1

@@ -201,6 +201,18 @@ def test_a8_scaling_from_the_left_is_not_symmetric_but_the_root_form_is():
     np.testing.assert_allclose(weighted, np.diag(factors) @ np.diag([2.0, 3.0]), rtol=1e-15)
 
 
+def test_a8_the_two_symmetric_forms_agree_for_diagonal_r_only():
+    """Code: R^1/2 S R^T/2 with the Cholesky factor. Corrected (20), (24): S^1/2 R S^1/2, which alone multiplies the diagonal by s."""
+    factors, weighted = np.array([10.0, 1.0]), np.empty((2, 2))
+    root = np.diag(np.sqrt(factors))
+    diagonal = np.diag([2.0, 3.0])
+    assert weighted_noise(diagonal, np.zeros((2, 2)), 1 / factors, weighted)
+    np.testing.assert_allclose(weighted, root @ diagonal @ root, rtol=1e-15)
+    assert weighted_noise(correlated_noise(), np.zeros((2, 2)), 1 / factors, weighted)
+    np.testing.assert_allclose(np.diag(weighted), [10.0, 0.6**2 * 10 + 0.8**2], rtol=1e-14)
+    np.testing.assert_allclose(np.diag(root @ correlated_noise() @ root), [10.0, 1.0], rtol=1e-14)
+
+
 def test_a8_equation_21_mixes_channels_when_r_is_not_diagonal():
     """Ten times the variance in channel one only: (21) gives a factor to the healthy channel two, the ratio of diagonals does not."""
     R, root = correlated_noise(), np.diag(np.sqrt([10.0, 1.0]))
@@ -280,6 +292,35 @@ def test_equation_6_holds_for_every_simulated_epoch(problem):
         v = z - x - lam
         right = x[:, :-1] @ d.H_d.T + inputs[:-1] @ d.D.T + w @ m.H.T + driven + v[:, 1:] - v[:, :-1] @ m.A_n.T
         np.testing.assert_allclose(differenced_measurements(z, m.A_n)[:, :-1], right, rtol=0, atol=1e-11)
+
+
+def bh_innovation_covariances(case):
+    """Covariance of BH's innovations and the filter's own, by recursion over the joint covariance of its error and v(k).
+
+    ``Delta = H_d e + n + v' - A_n v`` and ``e' = A e + w - L Delta`` with ``n = H w + B_n U`` and v' the coming v.
+    """
+    m, d = case.matrices, differenced(case.matrices)
+    R, zero = d.R_process + d.R_sensor, np.zeros((8, 8))
+    P = m.P0
+    joint = np.block([[m.P0, zero], [zero, m.Q_v]])
+    for _ in range(case.parameters.steps):
+        sigma = d.H_d @ P @ d.H_d.T + R
+        seen = np.hstack([d.H_d, -m.A_n])
+        true = seen @ joint @ seen.T + d.R_process + m.Q_v
+        gain = (m.A @ P @ d.H_d.T + d.C) @ np.linalg.inv(sigma)
+        F = np.block([[m.A - gain @ d.H_d, gain @ m.A_n], [zero, zero]])
+        upper = m.Q - d.C @ gain.T - gain @ d.C.T + gain @ (d.R_process + m.Q_v) @ gain.T
+        joint = F @ joint @ F.T + np.block([[upper, -gain @ m.Q_v], [-m.Q_v @ gain.T, m.Q_v]])
+        P = m.A @ P @ m.A.T + m.Q - gain @ sigma @ gain.T
+    return true, sigma
+
+
+def test_corrected_statement_1_is_exact_without_v_and_false_with_it(problem):
+    true, sigma = bh_innovation_covariances(problem(1, **NO_V))
+    np.testing.assert_allclose(np.diag(true) / np.diag(sigma), 1.0, rtol=1e-9)
+    true, sigma = bh_innovation_covariances(problem(1))
+    assert np.max(np.diag(true) / np.diag(sigma)) > 1.05
+    assert np.trace(np.linalg.solve(sigma, true)) > 8.1, "mean of the normalised innovation squared"
 
 
 def test_corrected_covariance_keeps_statement_1_in_its_right_form(problem):

@@ -1,7 +1,8 @@
 """The paper's numbered equations, as printed and, where they are wrong or ambiguous, as they are used here.
 
-Names such as A1 and E1 are those of `register`. ``\\Sigma`` is the innovation covariance of the corrected filter,
-``H_d P H_d^T + R``; there ``P(k)`` and ``x(k/k)`` stand for the estimate from z(0..k).
+Names such as A1 and E1 are those of `register`, T1-T16 those of the acceptance tests. One notation holds for every
+corrected form: ``x(k/k)`` and ``P(k)`` are the estimate and its covariance given z(0..k); ``x(k/k+1)`` and ``P(k/k+1)``
+are those given z(0..k+1), after ``mu(k)``; ``\\Sigma = H_d P(k) H_d^T + R`` is the innovation covariance.
 """
 
 from robins.papers.protocol import Equation
@@ -15,7 +16,12 @@ _ERROR_MODEL = f"{_TESTS}/test_scenario.py::test_correlated_error_decays_with_ta
 _OTHER_CASE = f"{_TESTS}/test_as_printed.py::test_equation_14_is_the_optimal_gain_of_the_other_textbook_case"
 _PETOVELLO = f"{_TESTS}/test_acceptance.py::test_t03_the_non_delayed_form_is_bh"
 _MIXES = f"{_TESTS}/test_as_printed.py::test_a8_equation_21_mixes_channels_when_r_is_not_diagonal"
+_ROOTS = f"{_TESTS}/test_as_printed.py::test_a8_the_two_symmetric_forms_agree_for_diagonal_r_only"
 _LITERAL_FAULT = f"{_TESTS}/test_as_printed.py::test_a14_equations_27_and_28_taken_literally_multiply_by_nine_and_six"
+
+_NO_V = " The corrected form is exact for $Q_v=0$; otherwise $v$ joins the state (T4)."
+"""Every form of the corrected filter rests on xi being white."""
+_DIAGONAL = " The corrected form and the code's $R_v^{1/2}SR_v^{T/2}$ are equal for diagonal $R_v$ only."
 
 _PROBLEM = (
     Equation("1", "State", r"x(k)=A\,x(k-1)+B\,u(k-1)+G\,w(k-1)", "ok", "No matrix is printed; $G=I$ here.", _TRUTH),
@@ -65,18 +71,17 @@ _DIFFERENCING = (
         "Its matrix and noise",
         r"H_d=HA-A_nH,\quad \mu(k-1)=z(k)-A_nz(k-1),\quad \xi(k-1)=HGw(k-1)+B_nU(k-1)+v(k)-A_nv(k-1)",
         "ok",
-        r"$H_d$ is small, about $(F_{ii}+1/\tau)\Delta t$ on its diagonal: the level of $u$, $\theta$ and $\phi$ is nearly "
-        "unobservable.",
+        r"The diagonal of $H_d$ is small, so the level of $u$, $\theta$ and $\phi$ is nearly unobservable; for these three and roughly for "
+        r"$p$ it is $(F_{ii}+1/\tau)\Delta t$. Off the diagonal, row $w$ is not small (B2).",
         _SIX,
     ),
     Equation(
         "9",
         "The noise is called white",
-        r"E[\xi(k-1)]=0",
+        r"E[\xi(k-1)]=0,\quad\text{and in words: }\xi\text{ is white}",
         "wrong",
-        r"The mean is zero; the words around it, a purely random process, hold only for $Q_v=0$. Two neighbours share a $v$: a moving "
-        "average of "
-        "first order (E1).",
+        r"The formula is right; the words around it, a purely random process (white noise), hold only for $Q_v=0$. Two neighbours share "
+        "a $v$: a moving average of first order (E1).",
         f"{_TESTS}/test_as_printed.py::test_e1_xi_is_a_moving_average_of_first_order_and_white_only_without_v",
         corrected=r"E[\xi(k)]=0,\quad E[\xi(k)\xi^T(k-1)]=-A_nQ_v,\quad E[\xi(k)\xi^T(k-l)]=0\;(l\ge 2)",
     ),
@@ -106,9 +111,10 @@ _MDKF = (
         r"\hat x(k/k)=\hat x(k/k-1)+K(k)\{\mu(k)-HBu(k)-H_d\hat x(k/k-1)\}",
         "ambiguous",
         r"$\mu(k)$ contains $z(k+1)$, so $\hat x(k/k)$ is a one-step-delayed estimate (A1). It is compared with delayed estimates of "
-        "the other filters.",
+        r"the other filters. In corrected forms $\hat x(k/k)$ and $P(k)$ are given $z(0),\dots,z(k)$; what is called $\hat x(k/k)$ in "
+        r"print is $\hat x(k/k+1)$ there." + _NO_V,
         _COMPOSED,
-        corrected=r"\hat x(k/k+1)=\hat x(k/k)+PH_d^T\Sigma^{-1}\Delta(k),\quad \Delta(k)=\mu(k)-HBu(k)-H_d\hat x(k/k)",
+        corrected=r"\hat x(k/k+1)=\hat x(k/k)+K(k)\Delta(k),\quad \Delta(k)=\mu(k)-HBu(k)-H_d\hat x(k/k)",
     ),
     Equation(
         "13",
@@ -116,9 +122,9 @@ _MDKF = (
         r"\hat x(k/k-1)=A\hat x(k-1/k-1)+Bu(k-1)",
         "wrong",
         r"$w(k-1)$ is correlated with $\xi(k-1)$, which has just been processed: its conditional mean $C\Sigma^{-1}\Delta$ is missing "
-        "(E2).",
+        "(E2)." + _NO_V,
         _PETOVELLO,
-        corrected=r"\hat x(k+1/k+1)=A\hat x(k/k)+Bu(k)+(APH_d^T+C)\Sigma^{-1}\Delta(k)",
+        corrected=r"\hat x(k+1/k+1)=A\hat x(k/k)+Bu(k)+[AP(k)H_d^T+C]\Sigma^{-1}\Delta(k)",
     ),
     Equation(
         "14",
@@ -127,18 +133,19 @@ _MDKF = (
         "wrong",
         r"$\tilde x(k/k-1)$ holds $w$ up to $k-1$ and is independent of $\xi(k)$: no $C$ here (E2). The formula belongs to noise "
         "correlated with the step "
-        r"before; it is right for the non-delayed form $H^*=H-A_nHA^{-1}$.",
+        r"before; it is right for the non-delayed form $H^*=H-A_nHA^{-1}$." + _NO_V,
         _OTHER_CASE,
-        corrected=r"K(k)=P(k/k-1)H_d^T\,[H_dP(k/k-1)H_d^T+R]^{-1}",
+        corrected=r"K(k)=P(k)H_d^T\Sigma^{-1},\quad \Sigma=H_dP(k)H_d^T+R",
     ),
     Equation(
         "15",
         "Extrapolated covariance",
         r"P(k/k-1)=AP(k-1/k-1)A^T+GQ_wG^T",
         "wrong",
-        "The correlation of process and measurement noise belongs here (E2).",
+        r"The correlation of process and measurement noise belongs here (E2). $P(k)$ is the covariance before $\mu(k)$, which the last "
+        "term takes in; the $P(k/k+1)$ of (16) would count it twice." + _NO_V,
         f"{_TESTS}/test_acceptance.py::test_t01_bh_from_the_posterior_of_the_first_measurement_is_the_augmented_filter",
-        corrected=r"P(k+1)=AP(k)A^T+GQ_wG^T-(AP(k)H_d^T+C)\Sigma^{-1}(AP(k)H_d^T+C)^T",
+        corrected=r"P(k+1)=AP(k)A^T+GQ_wG^T-[AP(k)H_d^T+C]\Sigma^{-1}[AP(k)H_d^T+C]^T",
     ),
     Equation(
         "16",
@@ -146,9 +153,9 @@ _MDKF = (
         r"P(k/k)=P(k/k-1)-K(k)[H_dP(k/k-1)H_d^T+R+H_dC+C^TH_d^T]K^T(k)",
         "wrong",
         "As (14); besides, it equals the covariance only at the optimal gain and loses symmetry by round-off (A7). The Joseph form is "
-        "used.",
+        "used." + _NO_V,
         _OTHER_CASE,
-        corrected=r"P(k/k)=(I-KH_d)P(k/k-1)(I-KH_d)^T+KRK^T",
+        corrected=r"P(k/k+1)=[I-K(k)H_d]P(k)[I-K(k)H_d]^T+K(k)RK^T(k)",
     ),
     Equation("17", "Innovation", r"\Delta(j)=\mu(j)-HBu(j)-H_d\hat x(j/j-1)", "ok", "", _COMPOSED),
     Equation(
@@ -156,9 +163,10 @@ _MDKF = (
         "Statement 1: innovation covariance",
         r"E[\Delta\Delta^T]=H_dP(j/j-1)H_d^T+R+H_dC+C^TH_d^T",
         "wrong",
-        "False as printed, already for the first innovation and without white noise (E2, E3).",
+        "False as printed, already for the first innovation and without white noise (E2, E3)." + _NO_V + " With $v$ the variances of "
+        r"BH's innovations differ from this $\Sigma$ as well, by 9 % in $p$ (`deg`).",
         f"{_TESTS}/test_as_printed.py::test_e2_innovation_covariance_has_no_c_in_it",
-        corrected=r"E[\Delta\Delta^T]=H_dP(j/j-1)H_d^T+R",
+        corrected=r"E[\Delta(j)\Delta^T(j)]=\Sigma=H_dP(j)H_d^T+R",
     ),
 )
 
@@ -177,18 +185,18 @@ _AMDKF = (
         r"\hat S_\Delta(k)=H_dPH_d^T+S(k)R+H_dC+C^TH_d^T",
         "wrong",
         r"Carries the error of (18). It scales the process noise inside $R$ too (A5), and $S$ from the left makes $SR$ asymmetric "
-        "unless $R$ is diagonal (A8).",
+        "unless $R$ is diagonal (A8)." + _DIAGONAL + _NO_V,
         f"{_TESTS}/test_as_printed.py::test_a8_scaling_from_the_left_is_not_symmetric_but_the_root_form_is",
-        corrected=r"\hat S_\Delta(k)=H_dPH_d^T+R_{fix}+S^{1/2}R_vS^{1/2},\quad R_v=Q_v+A_nQ_vA_n^T,\quad R_{fix}=R-R_v",
+        corrected=r"\hat S_\Delta(k)=H_dP(k)H_d^T+R_{fix}+S^{1/2}R_vS^{1/2},\quad R_v=Q_v+A_nQ_vA_n^T,\quad R_{fix}=R-R_v",
     ),
     Equation(
         "21",
         "Scale matrix",
         r"S(k)=\{\hat S_\Delta(k)-H_dPH_d^T-H_dC-C^TH_d^T\}R^{-1}",
         "wrong",
-        "As (20); $R^{-1}$ on the right mixes the channels into the diagonal unless $R$ is diagonal (A8).",
+        "As (20); $R^{-1}$ on the right mixes the channels into the diagonal unless $R$ is diagonal (A8)." + _NO_V,
         _MIXES,
-        corrected=r"S_{ii}(k)=\frac{[\hat S_\Delta(k)-H_dPH_d^T-R_{fix}]_{ii}}{[R_v]_{ii}}",
+        corrected=r"S_{ii}(k)=\frac{[\hat S_\Delta(k)-H_dP(k)H_d^T-R_{fix}]_{ii}}{[R_v]_{ii}}",
     ),
     Equation(
         "22",
@@ -216,9 +224,9 @@ _AMDKF = (
         r"K(k)=[PH_d^T+C][H_dPH_d^T+S^*(k)R+H_dC+C^TH_d^T]^{-1}",
         "wrong",
         r"As (14) and (20). $C$ stays unscaled, rightly (A9). The covariance after adaptation is not given: $S^*R$ is used in (16) "
-        "too (A10).",
-        _COMPOSED,
-        corrected=r"K(k)=PH_d^T[H_dPH_d^T+R_{fix}+S^{1/2}R_vS^{1/2}]^{-1}",
+        "too (A10)." + _DIAGONAL + _NO_V,
+        _ROOTS,
+        corrected=r"K(k)=P(k)H_d^T[H_dP(k)H_d^T+R_{fix}+S^{1/2}R_vS^{1/2}]^{-1}",
     ),
 )
 

@@ -1,7 +1,7 @@
 """The register of assumptions and errata, and the paper's equations with it.
 
-Names A1-A19 (readings) and E1-E3 (errors in the printed theory) are those of the study's science brief; D1-D6 are
-disclosures of the study itself.
+Names A1-A19 (readings) and E1-E3 (errors in the printed theory) are those of the study's science brief; B1-B5 say where
+that brief itself is wrong; D1-D7 are disclosures of the study itself.
 """
 
 from robins.papers.hajiyev2023.equations import EQUATIONS
@@ -25,7 +25,7 @@ _ERRATA = (
     Assumption(
         "E3",
         "erratum",
-        "Statement 1 is false: the innovation of the printed filter has neither covariance (18) nor, with white noise, independent epochs.",
+        "Statement 1 is false: the innovation of the printed filter has neither covariance (18) nor independent epochs.",
         "Matching against (18), equations (20) and (21), matches against a wrong target.",
     ),
 )
@@ -68,7 +68,8 @@ _READINGS = (
         "A8",
         "ambiguity",
         "$S$ multiplies $R$ from the left and $R^{-1}$ stands on the right in (21).",
-        "No difference here, where $R$ is diagonal; the general form is $R^{1/2}S R^{T/2}$ with ratios of diagonals.",
+        r"No difference here, where $R$ is diagonal. The code's form is $R^{1/2}SR^{T/2}$ with the Cholesky factor as root, the brief's "
+        r"is $S^{1/2}RS^{1/2}$: equal for diagonal $R$ only, and only the second multiplies the diagonal by $s_i$ in general.",
     ),
     Assumption(
         "A9",
@@ -131,6 +132,42 @@ _READINGS = (
     ),
 )
 
+_BRIEF = (
+    Assumption(
+        "B1",
+        "correction",
+        "The brief's sections 2.4 and 3.1: lateral results are not identical in both branches for the rules with one factor for all "
+        "channels, which couple the two blocks.",
+        "They are identical, and hence count once, for filters without adaptation and with one factor for each channel only.",
+    ),
+    Assumption(
+        "B2",
+        "correction",
+        r"The brief's section 1.3: $\mathrm{diag}(H_d)\approx(F_{ii}+1/\tau)\Delta t$ holds for $u$, $\theta$, $\phi$ and roughly $p$. "
+        r"For $w$, $q$, $\beta$ and $r$ terms of second order in $\Delta t$ are not small: $-0.0213$ instead of $-0.0047$ for $\beta$.",
+        r"$H_d$ is small on its diagonal only: the element of row $w$ and column $q$ is about $U_0\Delta t$, 17.5 m/s per rad/s.",
+    ),
+    Assumption(
+        "B3",
+        "correction",
+        r"The norm of a gain column, by which C11 is to be judged, depends on the units of the states: its rows are in m/s and rad, and "
+        "row $w$ decides it.",
+        "The brief's norm decides, since its rule was fixed beforehand; it can grow while the channel's own element of the gain falls.",
+    ),
+    Assumption(
+        "B4",
+        "correction",
+        r"The absolute differences that the brief expects in T2 depend on the noise drawn; only their fall as $1/P_{\lambda 0}$ is exact.",
+        "The test holds the scaling and the tolerance, not the listed values.",
+    ),
+    Assumption(
+        "B5",
+        "correction",
+        r"The corrected matching of A8 takes $H_dP(k)H_d^T+R$ of BH for the covariance of its innovations, false for $Q_v>0$ (E1).",
+        "ABH matches against a target that is exact for $Q_v=0$ only; with $v$ it is an approximation like the filter it adapts.",
+    ),
+)
+
 _DISCLOSURES = (
     Assumption(
         "D1",
@@ -163,17 +200,26 @@ _DISCLOSURES = (
         "D5",
         "disclosure",
         "The `rad` branch was proposed after results of the `deg` branch were known, though on evidence of the MDKF column alone.",
-        "That the printed angles are radians is a hypothesis. Lateral ratios are equal in both branches; longitudinal ones can "
-        "differ, and then the verdict says so.",
+        "That the printed angles are radians is a hypothesis. With one factor for each channel, or none, lateral ratios are equal "
+        "in both branches (B1); longitudinal ones can differ, and then the verdict says so.",
     ),
     Assumption(
         "D6",
         "assumption",
         "Sampling time, window, inputs, initial values, number of steps and seed are not printed: 0.1 s, 20, one-degree doublets, "
-        "zero state, 200 steps, many seeds.",
-        "Inputs do not change any error. Sampling time and window are swept, and a specification curve varies all levels at once.",
+        "zero state, 200 steps, many runs. Random numbers come from streams named by paper, scenario, run and kind of noise, not from "
+        "the two generators that the brief names.",
+        "Inputs do not change any error. Sampling time and window are swept, and a specification curve varies all levels at once. "
+        "Numbers of single runs cannot be compared with those of another program that follows the brief.",
+    ),
+    Assumption(
+        "D7",
+        "disclosure",
+        "After the first run of the reporting seeds a reviewer found that the autocorrelation interval of C10's controls used the number "
+        "of products of lag 0 for every lag.",
+        "It was corrected; no overall verdict changed.",
     ),
 )
 
-ASSUMPTIONS: tuple[Assumption, ...] = (*_ERRATA, *_READINGS, *_DISCLOSURES)
-"""The register of errata, readings, assumptions and disclosures."""
+ASSUMPTIONS: tuple[Assumption, ...] = (*_ERRATA, *_READINGS, *_BRIEF, *_DISCLOSURES)
+"""The register of errata, readings, corrections of the brief, assumptions and disclosures."""
