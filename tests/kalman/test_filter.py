@@ -66,6 +66,22 @@ def test_the_filter_is_the_textbook_loop(problem, at):
     assert np.all(record.weights[:, case.valid] == 1.0) and np.isnan(record.weights[:, ~case.valid]).all()
 
 
+@pytest.mark.parametrize("weights", ["unit", "known"])
+def test_the_recorded_gains_are_norms_and_diagonal_of_the_gain(problem, weights):
+    """The gain of an independent recursion, column by column: how the state moves when one channel's innovation grows by one."""
+    case = problem(16)
+    method, k = WEIGHTINGS[weights], 4
+    assert case.valid[k]
+    record = run_filter(Ekf(), case.model, case.sensor, method, *case.arguments, 4, False)
+    for j in range(CHANNELS):
+        measurements = case.measurements.copy()
+        measurements[:, k, j] += 1.0
+        moved = run_filter(Ekf(), case.model, case.sensor, method, *case._replace(measurements=measurements).arguments, 4, False)
+        column = (moved.posterior - record.posterior)[0, k]
+        assert record.gain_diagonal[0, k, j] == pytest.approx(column[j], rel=1e-9, abs=1e-9)
+        assert record.gain_norm[0, k, j] == pytest.approx(np.linalg.norm(column), rel=1e-9, abs=1e-9)
+
+
 def test_known_weights_are_used_at_the_updates_they_belong_to(problem):
     case = problem(3)
     given = np.random.default_rng(3).uniform(0.05, 1.0, (EPOCHS, CHANNELS))
@@ -149,7 +165,7 @@ def test_every_filter_returns_finite_records_of_the_promised_shapes(problem, pre
     assert np.all(record.failed == -1)
     for name in ("prior", "posterior", "prior_variance", "posterior_variance"):
         assert getattr(record, name).shape == (2, EPOCHS, 4) and np.isfinite(getattr(record, name)).all()
-    for name in ("innovation", "weights", "gain_norm"):
+    for name in ("innovation", "weights", "gain_norm", "gain_diagonal"):
         assert getattr(record, name).shape == (2, EPOCHS, CHANNELS)
         assert np.isfinite(getattr(record, name)[:, case.valid]).all() and np.isnan(getattr(record, name)[:, ~case.valid]).all()
     assert np.all((record.weights[:, case.valid] >= 0.0) & (record.weights[:, case.valid] <= 1.0))

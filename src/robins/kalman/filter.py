@@ -32,9 +32,9 @@ class Record(NamedTuple):
         of k+1 (NaN at the last epoch and where `delayed` was not asked for).
     prior_variance, posterior_variance, delayed_variance : ndarray, shape (runs, N, r)
         The filter's own variances of these (one run only where they are the same for all).
-    innovation, innovation_variance, weights, gain_norm : ndarray, shape (runs, N, m)
+    innovation, innovation_variance, weights, gain_norm, gain_diagonal : ndarray, shape (runs, N, m)
         Innovation, diagonal of S (infinite for a channel of weight zero), weights, Euclidean norm of the gain's
-        columns; NaN where nothing was processed.
+        columns, diagonal of the gain (NaN for a channel beyond the last state); NaN where nothing was processed.
     nis : ndarray, shape (runs, N)
         Normalised innovation squared.
     failed : ndarray of int, shape (runs,)
@@ -52,6 +52,7 @@ class Record(NamedTuple):
     innovation_variance: np.ndarray
     weights: np.ndarray
     gain_norm: np.ndarray
+    gain_diagonal: np.ndarray
     nis: np.ndarray
     failed: np.ndarray
 
@@ -65,7 +66,7 @@ def empty_record(runs, epochs, states, channels, variances):
         np.full(own, np.nan), np.full(own, np.nan), np.full(own, np.nan),
         np.full(shared, np.nan), np.full(shared, np.nan), np.full(shared, np.nan),
         np.full(seen, np.nan), np.full(shared_seen, np.nan), np.full(shared_seen, np.nan), np.full(shared_seen, np.nan),
-        np.full((runs, epochs), np.nan), np.full(runs, -1),
+        np.full(shared_seen, np.nan), np.full((runs, epochs), np.nan), np.full(runs, -1),
     )  # fmt: skip
 
 
@@ -193,7 +194,7 @@ def run_filter(predictor, model, sensor, weighting, x0, P0, controls, measuremen
 
 @kernel
 def record_update(work, weights, record, run, k):
-    """Copy innovation, its variance, weights and gain norms of one update out."""
+    """Copy innovation, its variance, weights and the gain's norms and diagonal of one update out."""
     for j in range(weights.size):
         record.innovation[run, k, j] = work.innovation[j]
         record.innovation_variance[run, k, j] = work.S[j, j]
@@ -202,6 +203,8 @@ def record_update(work, weights, record, run, k):
         for i in range(work.K.shape[0]):
             total += work.K[i, j] * work.K[i, j]
         record.gain_norm[run, k, j] = np.sqrt(total)
+        if j < work.K.shape[0]:
+            record.gain_diagonal[run, k, j] = work.K[j, j]
 
 
 class Schedule(NamedTuple):
@@ -294,6 +297,8 @@ def record_plan(plan, record):
             record.innovation_variance[0, k, j] = variance
             record.weights[0, k, j] = plan.weights[k, j]
             record.gain_norm[0, k, j] = np.sqrt(squared_gain)
+            if j < n:
+                record.gain_diagonal[0, k, j] = plan.gain[k, j, j]
 
 
 @njit(cache=True)
