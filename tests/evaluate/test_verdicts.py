@@ -157,6 +157,12 @@ def test_replicated_and_direction_only_agree_on_the_direction_alone():
     assert "direction is" not in combine({"deg": "replicated", "rad": "not replicated"})[1]
 
 
+@pytest.mark.parametrize("second", ["inconclusive", "replicated", "direction only", "depends on assumption"])
+def test_a_direction_that_no_branch_shows_is_said_to_be_missing(second):
+    reason = combine({"deg": "not replicated", "rad": second})[1]
+    assert ("claimed direction is found in none" in reason) == (second == "inconclusive")
+
+
 def test_one_branch_with_too_few_runs_makes_the_whole_too_small():
     assert combine({"deg": "replicated", "rad": "n too small"})[0] == "n too small"
 

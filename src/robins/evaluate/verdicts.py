@@ -27,6 +27,7 @@ class Verdict(StrEnum):
 
 
 ON_CLAIMED_SIDE = frozenset({Verdict.REPLICATED, Verdict.DIRECTION_ONLY})
+WITHOUT_CLAIMED_SIDE = frozenset({Verdict.NOT_REPLICATED, Verdict.INCONCLUSIVE})
 
 HOUSE_WORD: Mapping[str, Verdict] = {
     # hajiyev2023, section 4.3
@@ -147,7 +148,8 @@ def combine(verdicts: Mapping[str, str]) -> tuple[Verdict, str]:
 
     Agreement means the same word everywhere. "Replicated" in one branch and "direction only" in another is
     not agreement: both lie on the claimed side, but whether the published *size* comes out depends on the
-    branch, and either word alone would hide that. The reason then says that the direction is common.
+    branch, and either word alone would hide that. The reason then says that the direction is common. "Not
+    replicated" beside "inconclusive" differs too; the reason then says that the claimed direction is found in neither.
     A single "n too small" makes the whole too small.
 
     Raises
@@ -165,4 +167,6 @@ def combine(verdicts: Mapping[str, str]) -> tuple[Verdict, str]:
     if Verdict.TOO_SMALL in words:
         return Verdict.TOO_SMALL, f"A part has too few runs ({listing})."
     common = " The direction is the claimed one throughout; the size depends." if words <= ON_CLAIMED_SIDE else ""
+    if words == WITHOUT_CLAIMED_SIDE:
+        common = " The claimed direction is found in none of them."
     return Verdict.DEPENDS, f"The verdicts differ ({listing}).{common}"
