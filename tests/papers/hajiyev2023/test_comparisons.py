@@ -26,7 +26,7 @@ def table(name, shuffled=False) -> pd.DataFrame:
             frames.append(pd.DataFrame({
                 "branch": "deg", "condition": condition, "estimate": kind, "run": np.repeat(np.arange(RUNS), 8),
                 "state": np.tile(STATES, RUNS), "rmse": (LEVELS[name][c] * (k + 1) / (1 + 2 * c)).ravel(), "scale": 1.0, "gain_norm": 1.0,
-                "nis_settled": 8.0, "nis_window": 8.0, "failed": False,
+                "own_gain": 1.0, "nis_settled": 8.0, "nis_window": 8.0, "failed": False,
             }))  # fmt: skip
     whole = pd.concat(frames, ignore_index=True)
     return whole.sort_values("run", ascending=False, kind="stable") if shuffled else whole

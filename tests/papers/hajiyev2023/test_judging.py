@@ -44,6 +44,18 @@ def test_many_verdicts_are_counted_and_the_exceptions_named():
     assert combine_many(dict.fromkeys("uwq", "refuted")) == (Verdict.REFUTED, "3 of 3 refuted.")
 
 
+@pytest.mark.parametrize(
+    ("verdicts", "begins"),
+    [
+        ({"deg, u": "replicated", "deg, w": "refuted", "rad, u": "replicated"}, True),
+        ({"deg, u": "replicated", "deg, w": "replicated", "rad, u": "refuted"}, False),
+        ({"deg, u": "replicated", "deg, w": "n too small"}, False),
+    ],
+)
+def test_partly_is_said_where_parts_of_one_branch_disagree_and_not_where_only_branches_do(verdicts, begins):
+    assert combine_many(verdicts)[1].startswith("Partly: ") == begins
+
+
 def test_a_row_without_a_surviving_run_says_so_and_has_no_interval():
     failed = np.ones(5, bool)
     summary = paired_ratio(np.ones(5), np.ones(5), np.random.default_rng(1), 50, failed)

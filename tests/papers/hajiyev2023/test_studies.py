@@ -29,7 +29,17 @@ SETTINGS = Settings("smoke", 1, {"runs": 8, "sweep_runs": 2, "specification_sets
 
 def test_lag_one_of_a_moving_average_is_the_known_one():
     white = np.random.default_rng(2).standard_normal((400, 501, 1))
-    assert np.mean(lag_one(white[:, 1:] - white[:, :-1])) == pytest.approx(-0.5, abs=0.01)
+    assert lag_one(white[:, 1:] - white[:, :-1]).estimate == pytest.approx(-0.5, abs=0.01)
+
+
+def test_lag_one_of_many_short_runs_is_not_biased_and_its_interval_covers_as_it_says():
+    """An average of the runs' own ratios would be off by 0.03 here, far beyond its interval."""
+    white = np.random.default_rng(3).standard_normal((2000, 13, 500))
+    found = lag_one(white[:, 1:] - white[:, :-1])
+    assert np.mean(found.estimate) == pytest.approx(-0.5, abs=0.001)
+    covered = np.mean((found.low < -0.5) & (found.high > -0.5))
+    assert covered == pytest.approx(0.95, abs=0.03), "500 channels: three standard errors"
+    assert found.n == 2000
 
 
 def test_theory_holds_the_correlation_and_the_loss_of_information():

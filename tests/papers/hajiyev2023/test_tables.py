@@ -182,7 +182,7 @@ def failing(load, share):
             return output
         table = output.table.copy()
         lost = table["run"] < share * SETTINGS.sizes["runs"]
-        table.loc[lost, ["rmse", "scale", "gain_norm", "nis_settled", "nis_window"]] = np.nan
+        table.loc[lost, ["rmse", "scale", "gain_norm", "own_gain", "nis_settled", "nis_window"]] = np.nan
         table.loc[lost, "failed"] = True
         return Output(table, output.arrays)
 
@@ -294,10 +294,19 @@ def test_claims_in_short_repeat_the_ledger(frame_of, results_for):
 
 def test_every_question_is_answered(frame_of):
     frame = frame_of("extra-questions")
-    assert frame["question"].tolist() == [f"Q{number}" for number in range(1, 8)]
+    assert frame["question"].tolist() == [*(f"Q{number}" for number in range(1, 8)), "A2"]
     assert (frame["answer"].str.len() > 40).all() and frame["answer"].str.endswith(".").all()
     for name in ", ".join(frame["evidence"]).split(", "):
         assert name in BY_NAME
+
+
+def test_the_answer_about_a_late_program_counts_the_states_in_which_late_is_nearer(frame_of):
+    answer = frame_of("extra-questions").set_index("question").loc["A2", "answer"]
+    table = frame_of("extra-lagged")
+    for kind in ("MDKF", "AMDKF"):
+        for branch in ("deg", "rad"):
+            late = table[(table["filter"] == kind) & (table["branch"] == branch) & (table["nearer"] == "late")]["state"].tolist()
+            assert f"{kind}, {branch}: the late form is nearer in {len(late)} of 8 states" + f" ({' '.join(late)})" * bool(late) in answer
 
 
 @pytest.mark.parametrize(

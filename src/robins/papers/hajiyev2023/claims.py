@@ -38,7 +38,7 @@ from robins.papers.hajiyev2023.comparisons import (
     scores,
     unit,
 )
-from robins.papers.hajiyev2023.judging import MINIMUM, ratio_row, without_interval
+from robins.papers.hajiyev2023.judging import MINIMUM, PARTLY, ratio_row, without_interval
 from robins.papers.hajiyev2023.scenario import BRANCHES
 from robins.papers.protocol import Claim, Results
 
@@ -144,7 +144,8 @@ def judge_faulty_channels(results: Results) -> list[Row]:
             (FAULTY, "faulty channels q and theta", faulty[branch]),
             (AFFECTED, "affected states u and w", together(found[state] for state in AFFECTED)),
         ):
-            reason = f"C1-C4 as judged ({listing({state: found[state] for state in states})}); mixed verdicts count as partly."
+            told_part = listing({state: found[state] for state in states})
+            reason = f"{PARTLY * (verdict == Verdict.DEPENDS)}C1-C4 as judged ({told_part})."
             rows.append(without_interval("C12", words, n, ADAPTED.name, verdict, reason, f"{branch}, fault"))
         for state in FAULTY:
             summary = harm_ratio(results, ADAPTED, branch, state)
@@ -153,7 +154,8 @@ def judge_faulty_channels(results: Results) -> list[Row]:
             rows.append(ratio_row("C12", f"harm by the fault, {state}", branch, summary, ADAPTED.name, verdict, reason))
     verdict, _ = combine(everything)
     states = "The states or the branches disagree" if verdict == Verdict.DEPENDS else "All states and both branches together"
-    reason = f"{states}: {', '.join(told)}. The faulty channels together: {listing(faulty)}."
+    mixed = Verdict.DEPENDS in everything.values()
+    reason = f"{PARTLY * mixed}{states}: {', '.join(told)}. The faulty channels together: {listing(faulty)}."
     return [*rows, without_interval("C12", "faulty and affected channels", n, ADAPTED.name, verdict, reason)]
 
 

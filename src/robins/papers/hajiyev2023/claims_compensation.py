@@ -10,7 +10,7 @@ from robins.evaluate.ledger import Row
 from robins.evaluate.verdicts import Verdict, combine
 from robins.navigation.aircraft import STATES
 from robins.papers.hajiyev2023.comparisons import AMDKF, LONGITUDINAL, MDKF, Pair, direction_rule, fault_ratio, ratio, scores
-from robins.papers.hajiyev2023.judging import MINIMUM, no_change_rule, ratio_row, without_interval
+from robins.papers.hajiyev2023.judging import LATERAL_TWICE, MINIMUM, PARTLY, no_change_rule, partly, ratio_row, without_interval
 from robins.papers.hajiyev2023.scenario import BRANCHES, CONDITIONS
 from robins.papers.protocol import Results
 
@@ -55,12 +55,13 @@ def overall(verdicts: dict[str, Verdict]) -> tuple[Verdict, str]:
     states: dict[str, list[str]] = {}
     for where, state in (name.rsplit(", ", 1) for name in worse):
         states.setdefault(where, []).append(state)
+    mixed = verdict == Verdict.DEPENDS and partly(verdicts)
     reason = (
-        f"With the fault, {better} of {len(verdicts)} comparisons of MDKF and AMDKF with the plain and the inflated Kalman filter find the "
-        f"differencing filter better and {len(worse)} find it worse"
+        f"{PARTLY * mixed}With the fault, {better} of {len(verdicts)} comparisons of MDKF and AMDKF with the plain and the inflated Kalman "
+        f"filter find the differencing filter better and {len(worse)} find it worse"
     )
     named = "; ".join(f"{where}: {' '.join(names)}" for where, names in states.items())
-    return verdict, f"{reason} ({named})." if worse else f"{reason}."
+    return verdict, f"{reason}{f' ({named})' if worse else ''}. {LATERAL_TWICE}"
 
 
 def unsuitable_row(results: Results, branch: str) -> Row:

@@ -58,8 +58,8 @@ class Scores(NamedTuple):
 
     Attributes
     ----------
-    rmse, scale, gain_norm : ndarray, shape (runs, 8)
-        RMSE by equation (29), SI; mean scale factor and norm of the gain's column over k = 100..149.
+    rmse, scale, gain_norm, own_gain : ndarray, shape (runs, 8)
+        RMSE by equation (29), SI; mean scale factor, norm of the gain's column and size of its own element over k = 100..149.
     nis_settled, nis_window : ndarray, shape (runs,)
         Mean NIS over k >= 30 and over k = 80..149.
     failed : ndarray of bool, shape (runs,)
@@ -68,6 +68,7 @@ class Scores(NamedTuple):
     rmse: np.ndarray
     scale: np.ndarray
     gain_norm: np.ndarray
+    own_gain: np.ndarray
     nis_settled: np.ndarray
     nis_window: np.ndarray
     failed: np.ndarray

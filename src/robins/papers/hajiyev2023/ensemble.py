@@ -100,6 +100,7 @@ def scores(form: Filter, record: Record, ensemble: Ensemble, parameters: Paramet
     nis_settled, nis_window = epoch_mean(record.nis[:, SETTLED:]), epoch_mean(record.nis[:, first:last])
     scale = np.broadcast_to(np.mean(1.0 / record.weights[:, STEADY], axis=1), (len(runs), 8))
     gain = np.broadcast_to(np.mean(record.gain_norm[:, STEADY], axis=1), (len(runs), 8))
+    own_gain = np.broadcast_to(np.mean(np.abs(record.gain_diagonal[:, STEADY]), axis=1), (len(runs), 8))
     frames = []
     for kind, moment in (("filtered", form.filtered), ("delayed", form.delayed)):
         if not moment:
@@ -116,6 +117,7 @@ def scores(form: Filter, record: Record, ensemble: Ensemble, parameters: Paramet
             "rmse": rmse.ravel(),
             "scale": scale.ravel(),
             "gain_norm": gain.ravel(),
+            "own_gain": own_gain.ravel(),
             "nis_settled": np.repeat(nis_settled, 8),
             "nis_window": np.repeat(nis_window, 8),
             "failed": np.repeat(failed, 8),
@@ -124,7 +126,7 @@ def scores(form: Filter, record: Record, ensemble: Ensemble, parameters: Paramet
     return pd.concat(frames, ignore_index=True)
 
 
-def autocorrelation(innovation: np.ndarray, variance: np.ndarray) -> tuple[np.ndarray, int]:
+def autocorrelation(innovation: np.ndarray, variance: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Autocorrelation of the settled innovations, pooled over runs and standardised by the filter's own variance.
 
     Parameters
@@ -136,8 +138,8 @@ def autocorrelation(innovation: np.ndarray, variance: np.ndarray) -> tuple[np.nd
     -------
     ndarray, shape (LAGS+1, m)
         Lags 0..`LAGS`; the mean is taken as zero, as a consistent filter promises.
-    int
-        Number of pooled products at lag 0.
+    ndarray of int, shape (LAGS+1,)
+        Number of pooled products at each lag.
     """
     standard = innovation / np.sqrt(variance)
     kept = ~np.isnan(standard[0, :, 0])
@@ -146,7 +148,7 @@ def autocorrelation(innovation: np.ndarray, variance: np.ndarray) -> tuple[np.nd
     length = series.shape[1]
     power = np.mean(series**2, axis=(0, 1))
     lags = [np.mean(series[:, : length - lag] * series[:, lag:], axis=(0, 1)) / power for lag in range(LAGS + 1)]
-    return np.array(lags), series.shape[0] * length
+    return np.array(lags), series.shape[0] * (length - np.arange(LAGS + 1))
 
 
 def surviving(record: Record, ensemble: Ensemble, failed: np.ndarray) -> tuple[Record, np.ndarray]:
@@ -163,7 +165,7 @@ def summaries(form: Filter, record: Record, truth: np.ndarray) -> dict[str, np.n
     ``truth0``, ``estimate0``, ``sd0``, ``scale0`` ``(N+1, 8)``: truth, headline estimate (filtered, or delayed for
     the printed forms), the filter's own standard deviation and scale factors of one run; ``scale_quantiles``
     (`SCALE_QUANTILES`), ``error_quantiles`` (`QUANTILES`); ``rms_error`` and ``sd_mean`` over the runs; ``nis_mean``;
-    ``innovation_autocorrelation`` ``(LAGS+1, 8)`` with its ``innovation_count``; ``innovation_variance_ratio`` ``(8,)``,
+    ``innovation_autocorrelation`` ``(LAGS+1, 8)`` with its ``innovation_count`` ``(LAGS+1,)``; ``innovation_variance_ratio`` ``(8,)``,
     the mean of ``Delta_i^2 / S_ii``.
     """
     moment = form.filtered or form.delayed
@@ -184,7 +186,7 @@ def summaries(form: Filter, record: Record, truth: np.ndarray) -> dict[str, np.n
         "sd_mean": np.sqrt(np.mean(variance, axis=0)),
         "error_quantiles": ensemble_quantiles(errors, QUANTILES),
         "innovation_autocorrelation": correlation,
-        "innovation_count": np.array(count),
+        "innovation_count": count,
         "innovation_variance_ratio": np.nanmean(ratio, axis=(0, 1)),
     }
 
@@ -199,8 +201,8 @@ def variant(settings: Settings, composition: Mapping) -> Output:
     without the fault.
 
     The table has a row for each branch, condition, run, estimate (filtered, delayed) and state: RMSE by equation
-    (29), mean scale factor and gain norm over k = 100..149, mean NIS settled (k >= 30) and in the window
-    (k = 80..149), failure and its reason. The arrays are named ``branch.condition.what``; see `summaries`.
+    (29), mean scale factor, gain norm and size of the gain's own element (K_ii) over k = 100..149, mean NIS settled
+    (k >= 30) and in the window (k = 80..149), failure and its reason. The arrays are named ``branch.condition.what``; see `summaries`.
     """
     runs = range(settings.sizes["runs"])
     frames, arrays = [], {}

@@ -126,8 +126,8 @@ def draw_innovation_autocorrelation(results: Results) -> Drawing:
     """F11: autocorrelation of the innovations without a fault, of filters that do and do not claim them white."""
     figure = Drawing(figsize=(style.WIDTH, 5.6))
     for panel in state_grid(figure, sharey=True):
-        n = float(results.arrays("akf")[f"{panel.branch}.healthy.innovation_count"])
-        panel.ax.axhspan(-Z / np.sqrt(n), Z / np.sqrt(n), color=style.BLACK, alpha=0.15, linewidth=0)
+        half = Z / np.sqrt(results.arrays("akf")[f"{panel.branch}.healthy.innovation_count"])
+        panel.ax.fill_between(np.arange(len(half)), -half, half, color=style.BLACK, alpha=0.15, linewidth=0)
         for name, kind, size in CORRELATED:
             key = f"{panel.branch}.{name}.no-v" if kind else f"{panel.branch}.healthy"
             values = results.arrays("theory" if kind else name)[f"{key}.innovation_autocorrelation"][1:, panel.index]

@@ -10,6 +10,9 @@ from robins.evaluate.verdicts import Verdict, combine
 
 MINIMUM = 1000
 """Runs below which no claim is judged (brief, section 3.2)."""
+PARTLY = "Partly: "
+"""How a reason begins where parts of one branch disagree; the house's word for that is ``depends on assumption``."""
+LATERAL_TWICE = "The lateral states give the same numbers in both branches, so each of them counts twice."
 MATERIAL = 0.05
 """Relative change below which a ratio counts as no change (the brief's bounds 0.95 and 1.05)."""
 
@@ -31,14 +34,25 @@ def without_interval(claim_id: str, quantity: str, n: int, variant: str, verdict
     return Row(claim_id, quantity, condition, "", "", "", n, variant, verdict, reason, location=location)
 
 
+def partly(verdicts: Mapping[str, str]) -> bool:
+    """Whether parts of the same branch disagree, so that no choice of branch settles it; names are ``branch, part``."""
+    branches: dict[str, set[str]] = {}
+    for name, word in verdicts.items():
+        branches.setdefault(name.split(", ")[0], set()).add(word)
+    return any(len(words) > 1 for words in branches.values())
+
+
 def combine_many(verdicts: Mapping[str, str]) -> tuple[Verdict, str]:
-    """`combine` for many parts: the reason counts the verdicts and names the parts of all but the commonest."""
+    """`combine` for many parts: the reason counts the verdicts and names the parts of all but the commonest.
+
+    It begins with "Partly" where parts of one branch disagree: the verdict then depends on the part, not on an assumption.
+    """
     verdict, _ = combine(verdicts)
     parts = {word: [name for name, found in verdicts.items() if found == word] for word in dict.fromkeys(verdicts.values())}
     commonest, *rest = sorted(parts, key=lambda word: -len(parts[word]))
     told = [f"{len(parts[commonest])} of {len(verdicts)} {commonest}"]
     told += [f"{len(parts[word])} {word} ({'; '.join(parts[word])})" for word in rest]
-    return verdict, f"{', '.join(told)}."
+    return verdict, f"{PARTLY * (verdict == Verdict.DEPENDS and partly(verdicts))}{', '.join(told)}."
 
 
 def equality_rule(low: float, high: float, value: float, n: int) -> tuple[Verdict, str]:

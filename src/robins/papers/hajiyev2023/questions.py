@@ -16,6 +16,7 @@ from robins.papers.hajiyev2023.comparisons import ADAPTED, AMDKF, FAULTY, LATERA
 from robins.papers.hajiyev2023.scenario import BRANCHES
 from robins.papers.hajiyev2023.studies import PLAIN
 from robins.papers.hajiyev2023.table_parts import SUBSTITUTE, counts, keys, make, texts
+from robins.papers.hajiyev2023.tables_errors import LAGGED, lagged
 from robins.papers.hajiyev2023.tables_study import healthy_scale, specification_logs
 from robins.papers.protocol import Results, Table
 
@@ -146,6 +147,16 @@ def other_filters(results: Results) -> str:
     return "Delayed estimates, with the fault. " + ". ".join(parts) + "."
 
 
+def one_step_late(results: Results) -> str:
+    """A2."""
+    parts = []
+    for (kind, branch), group in lagged(results).groupby(["filter", "branch"], sort=False):
+        late = group.loc[group["nearer"] == "late", "state"].tolist()
+        parts.append(f"{kind}, {branch}: the late form is nearer in {len(late)} of {len(group)} states{' (' * bool(late)}"
+                     f"{' '.join(late)}{')' * bool(late)}")  # fmt: skip
+    return f"Mean RMSE beside the published number, late form against the printed one. {'; '.join(parts)}."
+
+
 ASKED = (
     ("Q1", "Is AMDKF better or worse than MDKF in each state, with the fault and without?", better_or_worse, "extra-ratios"),
     ("Q2", "Does adaptation help in the two faulty channels?", faulty_channels, "extra-ratios"),
@@ -154,6 +165,7 @@ ASKED = (
     ("Q5", "How much does it depend on everything else?", sensitivity, "extra-sweeps, extra-specification"),
     ("Q6", "Do the lateral changes come from max(1, .) of equation (23)?", false_alarm, "extra-scale-factors, extra-ratios"),
     ("Q7", "How does MDKF compare with CKF and AKF?", other_filters, "extra-ratios"),
+    ("A2", "Could the authors' program have been one step late?", one_step_late, "extra-lagged"),
 )
 
 
@@ -169,7 +181,7 @@ QUESTIONS: tuple[Table, ...] = (
         "extra-questions", "The study's questions and their answers", questions,
         (keys("question"), texts("asked"), texts("answer", kind="prose"), texts("evidence"), counts("n")),
         (
-            MDKF, AMDKF, "amdkf-gated", "bh", "abh", "akf", "aakf", "ckf", "ckf-inflated",
+            MDKF, AMDKF, *LAGGED.values(), "amdkf-gated", "bh", "abh", "akf", "aakf", "ckf", "ckf-inflated",
             *(f"{study}-{branch}" for study in ("sweep", "specification") for branch in BRANCHES),
         ),
         f"{SUBSTITUTE} better, worse: the 95 % interval of the geometric mean ratio lies below, above 1; the number is the mean."

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 
+from robins.evaluate.intervals import Interval, Z
 from robins.evaluate.metrics import window_rms
 from robins.foundation.randomness import stream
 from robins.kalman.differencing import differenced_measurements
@@ -42,10 +43,27 @@ def differenced_noise(parameters: Parameters, matrices: System, ensemble: Ensemb
     return mu - controls(parameters)[:-1] @ d.D.T - ensemble.x[:, :-1] @ d.H_d.T  # (7) hajiyev2023 solved for xi
 
 
-def lag_one(xi: np.ndarray) -> np.ndarray:
-    """Autocorrelation at lag one of each run and channel, shape (runs, 8), with the mean taken as zero."""
-    power = np.sum(xi**2, axis=1)  # (9) hajiyev2023: the mean is zero
-    return np.sum(xi[:, 1:] * xi[:, :-1], axis=1) / power * xi.shape[1] / (xi.shape[1] - 1)
+def lag_one(xi: np.ndarray) -> Interval:
+    """Autocorrelation at lag one of each channel, pooled over the runs, with the mean taken as zero.
+
+    A ratio of sums over runs, with the interval of its linearisation: the mean of the runs' own ratios is biased.
+
+    Parameters
+    ----------
+    xi : ndarray, shape (runs, N, m)
+
+    Returns
+    -------
+    Interval
+        Estimate and ends of shape (m,).
+    """
+    runs, length = xi.shape[:2]
+    power = np.mean(xi**2, axis=1)  # (9) hajiyev2023: the mean is zero
+    product = np.sum(xi[:, 1:] * xi[:, :-1], axis=1) / (length - 1)
+    value = np.sum(product, axis=0) / np.sum(power, axis=0)
+    residual = (product - value * power) / np.mean(power, axis=0)
+    half = Z * np.std(residual, axis=0, ddof=1) / np.sqrt(runs)
+    return Interval(value, value - half, value + half, runs)
 
 
 def theory(settings: Settings) -> Output:
@@ -65,21 +83,9 @@ def theory(settings: Settings) -> Output:
         d = differenced(matrices)
         expected = np.diag(-matrices.A_n @ matrices.Q_v) / np.diag(d.R_process + d.R_sensor)
         sampled = lag_one(differenced_noise(parameters, matrices, simulate(parameters, matrices, draws)))
-        error = np.std(sampled, axis=0, ddof=1) / np.sqrt(len(runs))
         for i, state in enumerate(STATES):
-            mean = np.mean(sampled[:, i])
-            rows.append(
-                (
-                    branch,
-                    "lag-one autocorrelation of xi",
-                    state,
-                    mean,
-                    expected[i],
-                    mean - 1.96 * error[i],
-                    mean + 1.96 * error[i],
-                    len(runs),
-                )
-            )
+            numbers = sampled.estimate[i], expected[i], sampled.low[i], sampled.high[i], len(runs)
+            rows.append((branch, "lag-one autocorrelation of xi", state, *numbers))
         arrays |= without_white_noise(replace(parameters, sigma_v=ZERO), settings, draws)
     columns = ["branch", "quantity", "channel", "value", "theory", "low", "high", "n"]
     return Output(pd.DataFrame(rows, columns=columns), arrays)
