@@ -152,4 +152,3 @@ def known(innovation, predicted, R, parameters, memory, epoch, weights):
     """Weights given beforehand, one row of `memory` for each update: an oracle that is told the fault."""
     for i in range(weights.size):
         weights[i] = memory[epoch, i]
-
