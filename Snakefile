@@ -30,7 +30,9 @@ try:
     PAPERS = {key: all_papers()[key] for key in CONFIGURATION.papers}
     LAYOUT = pipeline.Layout(ROOT, CONFIGURATION.ensemble)
     SETTINGS = {key: configuration.settings_for(paper, CONFIGURATION) for key, paper in PAPERS.items()}
-    for paper in PAPERS.values():
+    for key, paper in PAPERS.items():
+        if paper.validate:
+            paper.validate(SETTINGS[key])
         read_published(LAYOUT.published_numbers(paper))
     RECORDING = psins.locate(CONFIGURATION.recordings) if CONFIGURATION.recordings else None
 except InputError as error:

@@ -1,6 +1,8 @@
 """The source hash changes with the code that a result depends on, and with nothing else."""
 
+import sys
 import time
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -163,3 +165,19 @@ def test_hashing_the_whole_package_takes_a_moment():
     began = time.perf_counter()
     index.hash([module for module in modules if index.file(module)])
     assert time.perf_counter() - began < 3.0  # 0.3 s is the aim; a loaded machine may take longer
+
+
+def test_the_arguments_of_a_partial_function_count():
+    hashes = {source_hash((), {"made_by": partial(print, branch)}) for branch in ("deg", "rad")}
+    assert len(hashes) == 2
+
+
+def test_a_module_that_reads_package_data_depends_on_it():
+    """The substitute aircraft is a YAML file beside the scenario."""
+
+    def altered(path):
+        content = path.read_bytes()
+        return content.replace(b"-1.6384e-1", b"-3.2768e-1") if path.name == "f4c.yaml" else content
+
+    modules = ["robins.papers.hajiyev2023.scenario"]
+    assert SourceIndex(sys.path, altered).hash(modules) != SourceIndex(sys.path).hash(modules)

@@ -197,6 +197,15 @@ def log_interval(logs: np.ndarray) -> tuple[float, float, float]:
     return mean, mean - half, mean + half
 
 
+def rounded_mean(values: np.ndarray, axis: int = -1) -> np.ndarray:
+    """Mean along `axis`, to ten decimals.
+
+    In a small sample some resamples are permutations of it. Whether their mean lies below the sample's, which the BCa
+    formula counts, would otherwise be decided by the last bit, and differ between machines.
+    """
+    return np.round(np.mean(values, axis=axis), 10)
+
+
 def bca_log_interval(logs: np.ndarray, generator: np.random.Generator, resamples: int) -> tuple[float, float]:
     """BCa interval [2]_ of the mean of `logs`, shape (runs,); the point itself when all are equal."""
     if logs.size < 2:
@@ -205,7 +214,7 @@ def bca_log_interval(logs: np.ndarray, generator: np.random.Generator, resamples
         return (float(logs.mean()),) * 2
     interval = stats.bootstrap(
         (logs,),
-        np.mean,
+        rounded_mean,
         n_resamples=resamples,
         batch=max(1, BATCH_CELLS // logs.size),
         vectorized=True,

@@ -9,12 +9,22 @@ import pkgutil
 from functools import cache
 
 from robins import plugins
+from robins.foundation.errors import InputError
 from robins.papers.protocol import Paper
 
 
 @cache
 def all_papers() -> dict[str, Paper]:
-    """Every paper by key, in alphabetical order."""
+    """Every paper by key, in alphabetical order.
+
+    Raises
+    ------
+    InputError
+        Two papers have one key: a plug-in may not stand in for a paper of this package.
+    """
     wings = [importlib.import_module(f"{__name__}.{m.name}") for m in pkgutil.iter_modules(__path__) if m.ispkg]
     found = [wing.PAPER for wing in wings] + [entry.load() for entry in plugins.found(plugins.PAPERS)]
+    for paper in found:
+        if sum(other.key == paper.key for other in found) > 1:
+            raise InputError("robins.papers", paper.key, "two papers with this key", "one")
     return {paper.key: paper for paper in sorted(found, key=lambda paper: paper.key)}

@@ -16,8 +16,13 @@ from robins.publish.sourcehash import source_hash
 
 CLAIMS = "claims"
 DIAGNOSE = "diagnose/"
-WRITERS = {"tables": ["robins.publish.tables"], "figures": ["robins.publish.style"], "evaluate": ["robins.evaluate.ledger"]}
-"""The modules that bring everything a stage makes to disk."""
+WRITERS = {
+    "jobs": ["robins.evaluate.storage"],
+    Table: ["robins.publish.tables"],
+    Figure: ["robins.publish.style"],
+    Claim: ["robins.evaluate.ledger"],
+}
+"""The modules that bring what is made to disk."""
 
 
 @dataclass(frozen=True)
@@ -145,15 +150,15 @@ class Sources:
         if name.startswith(DIAGNOSE):
             return source_hash(["robins.diagnostics.summary"], {"scenario": self.result(name.removeprefix(DIAGNOSE))})
         job = self._paper.jobs[name]
-        return source_hash(job.modules, {"paper": self._paper.key, "job": name, "definition": job.definition, "said": self._said})
+        facts = {"paper": self._paper.key, "job": name, "definition": job.definition, "made_by": job.compute, "said": self._said}
+        return source_hash([*job.modules, *WRITERS["jobs"]], facts)
 
     def product(self, product: Table | Figure | Claim) -> str:
         """The hash of a table, a figure or a claim: its code, what it promises, and everything it is made from."""
-        promises = {name: value for name, value in vars(product).items() if not callable(value)}
         made_from = {name: self.result(name) for name in product.needs}
-        facts = {"promises": promises, "made_from": made_from, "said": self._said, "published": self._published}
-        return source_hash(product.modules, facts)
+        facts = {"promises": vars(product), "made_from": made_from, "said": self._said, "published": self._published}
+        return source_hash([*product.modules, *WRITERS[type(product)]], facts)
 
     def stage(self, stage: str) -> str:
         """One hash for everything that a stage makes of the paper."""
-        return source_hash(WRITERS[stage], {"products": [self.product(product) for product in products(self._paper, stage)]})
+        return source_hash((), {"products": [self.product(product) for product in products(self._paper, stage)]})

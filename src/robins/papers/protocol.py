@@ -166,7 +166,10 @@ class Assumption:
 
 @dataclass(frozen=True)
 class Paper:
-    """A paper's wing. See the module's docstring; ``sizes`` are used where the configuration has none."""
+    """A paper's wing. See the module's docstring; ``sizes`` are used where the configuration has none.
+
+    ``validate(settings)`` raises `robins.foundation.errors.InputError` when the paper's own options are wrong.
+    """
 
     key: str
     title: str
@@ -185,6 +188,7 @@ class Paper:
     options: Mapping = field(default_factory=dict)
     published: Path | None = None
     notebook: Path | None = None
+    validate: Callable[[Settings], object] | None = None
 
     @property
     def jobs(self) -> dict[str, Job]:

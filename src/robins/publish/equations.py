@@ -1,11 +1,14 @@
 """From a numbered equation to the line of code that implements it and the test that pins it.
 
-A line of code carries the marker ``# (23) hajiyev2023`` (several equations on one line: ``# (14), (16) hajiyev2023``;
-words may follow). The index is made from these markers, so it cannot point to a line that has moved.
+A line of code carries the equation's number and the paper's key in a comment (several numbers are separated by commas;
+words may follow), as in ``x = A @ x  # (1) key2026``. Only comments count, not text. The index is made from these
+markers, so it cannot point to a line that has moved.
 """
 
 import ast
+import io
 import re
+import tokenize
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cache
@@ -43,11 +46,17 @@ def markers(sources: dict[str, Path]) -> dict[tuple[str, str], list[str]]:
     """Places ``file:line`` of every marker in `sources`, by (paper, equation number)."""
     found: dict[tuple[str, str], list[str]] = {}
     for name, file in sources.items():
-        for line, text in enumerate(file.read_text(encoding="utf-8").splitlines(), start=1):
-            for numbers, paper in _MARKER.findall(text):
+        for line, comment in comments(file.read_bytes()):
+            for numbers, paper in _MARKER.findall(comment):
                 for number in _NUMBER.findall(numbers):
                     found.setdefault((paper, number), []).append(f"{name}:{line}")
     return found
+
+
+def comments(source: bytes) -> list[tuple[int, str]]:
+    """Line and text of every comment in a Python `source`."""
+    tokens = tokenize.tokenize(io.BytesIO(source).readline)
+    return [(token.start[0], token.string) for token in tokens if token.type == tokenize.COMMENT]
 
 
 def index(paper, sources: dict[str, Path] | None = None) -> list[Row]:

@@ -17,6 +17,7 @@ import tempfile
 from collections.abc import Iterable
 from pathlib import Path
 
+import robins
 from robins.foundation.errors import InputError
 from robins.publish.check import CLAIMS, Comparison, compare, compare_field
 
@@ -32,6 +33,8 @@ def main(arguments: list[str] | None = None) -> int:
     from robins.papers import all_papers, pipeline
 
     try:
+        if not Path(robins.__file__).resolve().is_relative_to(repository / "src"):
+            raise InputError("--repository", "", f"{repository}, while robins is imported from elsewhere", "the clone that is installed")
         layout = pipeline.Layout(repository, options.ensemble)
         papers = {key: paper for key, paper in all_papers().items() if paper.published is None}  # not those of plug-ins
         published = {path.stem: read_published(path) for path in sorted((repository / "data" / "published").glob("*.csv"))}

@@ -15,6 +15,8 @@ Importing ``a.b.c`` also runs ``a/__init__`` and ``a/b/__init__``. What those fi
 names) is seen only by modules that import it from there, and those name it; what they *do* (bare statements such as
 ``numpy.seterr(...)``) acts on everyone below. Hence only the latter counts for a package that is merely passed through:
 a paper whose ``__init__`` registers one more claim does not make its simulations stale.
+
+A module that imports `importlib.resources` depends on the data files of its package as well.
 """
 
 import ast
@@ -24,7 +26,7 @@ import sys
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, dataclass, field, is_dataclass
 from enum import Enum
-from functools import cache
+from functools import cache, partial
 from importlib.machinery import PathFinder
 from pathlib import Path
 
@@ -134,7 +136,16 @@ class SourceIndex:
             return [onward]
         source = self.source(module)
         found[module] = source.digest
+        if ("importlib", "resources") in source.imports:
+            found[f"{module} data"] = self._data(module)
         return list(source.imports)
+
+    def _data(self, module: str) -> str:
+        """Digest of the files beside and below `module` that are not Python: what it may read as package data."""
+        folder = self.file(module).parent
+        files = sorted(file for file in folder.rglob("*") if file.is_file() and file.suffix not in (".py", ".pyc"))
+        content = {file.relative_to(folder).as_posix(): hashlib.sha256(self._read(file)).hexdigest() for file in files}
+        return hashlib.sha256(canonical(content).encode()).hexdigest()
 
     def _passed_on(self, package: str, name: str) -> tuple[str, str] | None:
         """The import by which `package` merely passes `name` on, or None (also where `name` is a module of its own)."""
@@ -183,6 +194,8 @@ def _plain(value):
         return asdict(value)
     if isinstance(value, Mapping):
         return dict(value)
+    if isinstance(value, partial):
+        return {"function": value.func, "arguments": value.args, "keywords": value.keywords}
     if hasattr(value, "__qualname__"):
         return f"{value.__module__}.{value.__qualname__}"
     raise TypeError(f"{value!r} ({type(value).__name__}) cannot be part of a source hash")

@@ -13,7 +13,7 @@ from robins.papers.hajiyev2023.claims import CLAIMS
 from robins.papers.hajiyev2023.figures import FIGURES
 from robins.papers.hajiyev2023.noise import DIAGNOSTICS_FIGURE, DIAGNOSTICS_TABLE
 from robins.papers.hajiyev2023.register import ASSUMPTIONS, EQUATIONS
-from robins.papers.hajiyev2023.scenario import BRANCHES, KEY
+from robins.papers.hajiyev2023.scenario import BRANCHES, KEY, load_plant
 from robins.papers.hajiyev2023.tables import TABLES
 from robins.papers.hajiyev2023.variants import VARIANTS
 from robins.papers.protocol import Job, Paper
@@ -33,7 +33,10 @@ PAPER = Paper(
     summary="An aircraft's states are measured by an inertial system whose errors drift. Differencing two measurements removes the "
     "drift (MDKF); matching the innovation covariance in a sliding window adapts the filter to a faulty gyro (AMDKF). The paper reports "
     "one run, in which adaptation improves the four longitudinal states and worsens the four lateral ones. None of its matrices, noise "
-    "levels or seeds is published, so a substitute aircraft (F-4C) stands in, with the angles read both in degrees and in radians.",
+    "levels or seeds is published, so a substitute aircraft (F-4C) stands in, with the angles read both in degrees and in radians. "
+    "Beside the printed filters run the conventional Kalman filter on the aircraft's states alone (CKF), the filter augmented with the drifting "
+    "errors (AKF), and the corrected differencing filter after Bryson and Henrikson (BH); a leading A marks adaptation by covariance "
+    "matching (ABH, AAKF). A delayed estimate of x(k) has used z(k+1), a filtered one has not; like is compared with like.",
     scenarios=tuple(
         _job(ensemble, f"aircraft-{branch}", f"Substitute aircraft, {READING[branch]}", partial(ensemble.scenario, branch=branch))
         for branch in BRANCHES
@@ -61,4 +64,5 @@ PAPER = Paper(
         "full": {"runs": 5000, "sweep_runs": 500, "specification_sets": 600, "specification_runs": 60, "bootstrap": 5000},
     },
     options={"plant": "f4c"},
+    validate=lambda settings: load_plant(settings.options["plant"]),
 )

@@ -222,7 +222,7 @@ ERROR_TABLES: tuple[Table, ...] = (
             texts("nearer", kind="prose"), counts("n", "failed"),
         ),
         (*LAGGED, *LAGGED.values()),
-        f"{SUBSTITUTE} A diagnostic (brief A2): mu(k-1) taken as a measurement of x(k). Means over the runs that survive in "
+        f"{SUBSTITUTE} A diagnostic (A2 of the register): mu(k-1) taken as a measurement of x(k). Means over the runs that survive in "
         "both; nearer: which mean is nearer to the published number in proportion. Never a main result.",
     ),
 )  # fmt: skip
