@@ -34,7 +34,7 @@ PAPER = Paper(
     "drift (MDKF); matching the innovation covariance in a sliding window adapts the filter to a faulty gyro (AMDKF). The paper reports "
     "one run, in which adaptation improves the four longitudinal states and worsens the four lateral ones. None of its matrices, noise "
     "levels or seeds is published, so a substitute aircraft (F-4C) stands in, with the angles read both in degrees and in radians. "
-    "Beside the printed filters run the conventional Kalman filter on the aircraft's states alone (CKF), the filter augmented with the drifting "
+    "Beside the printed filters run the conventional Kalman filter on the states alone (CKF), the filter augmented with the drifting "
     "errors (AKF), and the corrected differencing filter after Bryson and Henrikson (BH); a leading A marks adaptation by covariance "
     "matching (ABH, AAKF). A delayed estimate of x(k) has used z(k+1), a filtered one has not; like is compared with like.",
     scenarios=tuple(
