@@ -173,9 +173,9 @@ def test_a_claim_without_its_overall_row_is_missed_even_on_both_sides(fresh, pap
 
 
 def test_numerals_in_a_reason_may_differ_in_the_last_digit_only(reference, fresh, differences):
-    spoil(fresh, CLAIMS, lambda frame: frame.replace({"reason": {"Ratio 0.612 in both branches.": "Ratio 0.613 in both branches."}}))
+    spoil(fresh, CLAIMS, lambda frame: frame.replace({"reason": {"Ratio 0.612 in both branches.": "Ratio 0.6124 in both branches."}}))
     assert differences() == []
-    spoil(fresh, CLAIMS, lambda frame: frame.replace({"reason": {"Ratio 0.613 in both branches.": "Ratio 0.615 in both branches."}}))
+    spoil(fresh, CLAIMS, lambda frame: frame.replace({"reason": {"Ratio 0.6124 in both branches.": "Ratio 0.614 in both branches."}}))
     assert any("reason" in line for line in differences())
 
 
@@ -236,3 +236,57 @@ def test_field_tables_are_compared_when_there_and_named_when_skipped(reference, 
     check.compare_field(tmp_path / "fresh", tmp_path / "old", outcome)
     assert any(line.startswith("field/more.csv") for line in outcome.differences)
     assert check.compare_field(tmp_path / "none", tmp_path / "old", outcome) == ["record/noise.csv"]
+
+
+def test_a_field_table_missing_on_either_side_is_a_difference_where_all_are_demanded(reference, tmp_path):
+    fresh, old, name = tmp_path / "fresh", tmp_path / "old", "field/record/noise.csv"
+    tables.write_csv(tables.read_text(reference / TABLE), fresh / name)
+
+    def differences(results, **options) -> list[str]:
+        outcome = check.Comparison()
+        check.compare_field(results, old, outcome, **options)
+        return outcome.differences
+
+    assert differences(fresh) == []
+    assert [line.partition(":")[0] for line in differences(fresh, demand_n=True)] == [name]
+    assert differences(tmp_path / "none", demand_n=True) == []
+    (old / "field").mkdir(parents=True)
+    (old / "field" / "manifest.json").write_text(json.dumps({"artefacts": {"record/noise.csv": {}, "record/noise.png": {}}}))
+    assert [line.partition(":")[0] for line in differences(tmp_path / "none", demand_n=True)] == [name]
+    shutil.copytree(fresh / "field", old / "field", dirs_exist_ok=True)
+    assert differences(fresh, demand_n=True) == []
+    (fresh / name).unlink()
+    assert ["no table in the results" in line for line in differences(fresh, demand_n=True)] == [True]
+
+
+def test_whole_numbers_of_field_tables_are_exact_and_an_unreadable_one_is_a_difference(tmp_path):
+    for folder, text in (("fresh", "epochs,sd\n10000001,0.50000001\n"), ("old", "epochs,sd\n10000000,0.5\n")):
+        (tmp_path / folder / "field").mkdir(parents=True)
+        (tmp_path / folder / "field" / "noise.csv").write_text(text)
+    outcome = check.Comparison()
+    check.compare_field(tmp_path / "fresh", tmp_path / "old", outcome)
+    assert ["epochs: found 10000001, expected 10000000" in line for line in outcome.differences] == [True]
+    (tmp_path / "fresh" / "field" / "noise.csv").write_text("epochs,sd\n1,2,3\n")
+    check.compare_field(tmp_path / "fresh", tmp_path / "old", outcome)
+    assert "unreadable" in outcome.differences[-1]
+
+
+def test_a_verdict_outside_the_closed_list_is_refused_even_on_both_sides(reference, fresh, paper, published):
+    spoil(fresh, CLAIMS, lambda frame: frame.replace({"verdict": {"refuted": "Refuted"}}))
+    for sides in ((fresh, fresh), (fresh, reference), (reference, fresh)):
+        found = compare(*sides, {KEY: paper}, published).differences
+        assert any("'Refuted' in the re" in line and "expected a verdict" in line for line in found)
+
+
+@pytest.mark.parametrize("column", ["published", "published_high"])
+def test_published_numbers_of_claims_are_exact(column, reference, fresh, differences):
+    frame = tables.read_text(reference / CLAIMS)
+    for cell in ("0.54", "0.5400000001", "nan"):
+        frame.loc[0, column] = cell
+        tables.write_csv(frame, fresh / CLAIMS)
+        same = cell == reference_cell(reference, column)
+        assert any(f"{column}: found" in line for line in differences()) is not same
+
+
+def reference_cell(reference, column) -> str:
+    return tables.read_text(reference / CLAIMS).loc[0, column]

@@ -72,3 +72,36 @@ def test_a_missing_or_misplaced_column_and_an_empty_table_are_refused():
 
 def test_cells_are_rows_times_columns_that_are_no_keys():
     assert tables.cells(7, TABLE) == 21
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (b"\xef\xbb\xbffilter,rmse\na,1\n", "a byte-order mark"),
+        (b"filter,rmse\r\na,1\r\n", "a carriage return"),
+        (b"filter,rmse\na,1\nb,2,3\n", "row 1: found 3 fields, expected 2"),
+        (b"filter,rmse\na,1,\nb,2,\n", "row 0: found 3 fields"),
+        (b"filter,rmse\na\n", "row 0: found 1 fields"),
+        (b"filter,rmse\n\na,1\n", "row 0: found 0 fields"),
+        (b"filter,filter\na,1\n", "each column once"),
+        (b'filter,rmse\n"a,1\n', "no table"),
+        (b"", "no table"),
+    ],
+)
+def test_a_file_that_is_no_plain_table_is_refused(content, message, tmp_path):
+    (tmp_path / "t.csv").write_bytes(content)
+    with pytest.raises(InputError, match=message):
+        tables.read_text(tmp_path / "t.csv")
+
+
+@pytest.mark.parametrize("cell", [" 1", "1_0", "\u0661", "nan", "1e999"])
+def test_a_number_that_is_not_plain_is_not_read_back(cell, tmp_path):
+    for line in (f"a,{cell},0,", f"a,1,{cell},"):
+        (tmp_path / "t.csv").write_text(f"filter,rmse,failed,note\n{line}\n", encoding="utf-8")
+        with pytest.raises(InputError, match=r"row 0 \(a\)"):
+            tables.read(tmp_path / "t.csv", TABLE)
+
+
+def test_quoted_cells_and_empty_ones_are_read_as_they_stand(tmp_path):
+    (tmp_path / "t.csv").write_text('filter,note\n"a, ""b""",\nNA,"two\nlines"\n')
+    assert tables.read_text(tmp_path / "t.csv").to_numpy().tolist() == [['a, "b"', ""], ["NA", "two\nlines"]]

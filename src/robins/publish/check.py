@@ -21,7 +21,7 @@ CLAIMS = "claims.csv"
 TOO_SMALL = "n too small"
 _CLAIM_COLUMNS = {
     "paper": "key", "claim_id": "key", "location": "text", "quantity": "key", "condition": "key", "unit": "text",
-    "published": "optional", "published_high": "optional", "ours": "optional", "ci_low": "optional", "ci_high": "optional",
+    "published": "printed", "published_high": "printed", "ours": "optional", "ci_low": "optional", "ci_high": "optional",
     "n": "count", "variant": "key", "verdict": "verdict", "reason": "prose",
 }  # fmt: skip
 
@@ -113,11 +113,21 @@ def _recorded_cells(reference: Path, outcome: Comparison) -> dict[str, int]:
     return {name: entry["cells"] for name, entry in artefacts.items() if "cells" in entry}
 
 
-def compare_field(results, reference, outcome: Comparison) -> list[str]:
+def compare_field(results, reference, outcome: Comparison, demand_n: bool = False) -> list[str]:
     """Compare the tables made from real recordings, as far as the fresh run had the recordings.
 
     They are no part of the registry of papers, so the reference's own columns are the specification: numbers to 1e-6,
-    words exact, rows by position.
+    whole numbers and words exact, rows by position.
+
+    Parameters
+    ----------
+    results, reference : Path
+        Folders that may have ``field/``.
+    outcome : Comparison
+        Where differences and counts go.
+    demand_n : bool
+        As in `compare`: whether the reference has to have every field table that the run made or that its own
+        ``field/manifest.json`` lists. A reference of a small ensemble may have none at all.
 
     Returns
     -------
@@ -126,21 +136,37 @@ def compare_field(results, reference, outcome: Comparison) -> list[str]:
     """
     results, reference = Path(results) / "field", Path(reference) / "field"
     names = sorted(path.relative_to(reference).as_posix() for path in reference.rglob("*.csv"))
+    for name in sorted(_listed_field_tables(reference) - set(names)) if demand_n else ():
+        outcome.differ(f"field/{name}", "", "no table in the reference", "the table that its manifest lists")
     if not results.is_dir():
         return names
     extra = {path.relative_to(results).as_posix() for path in results.rglob("*.csv")} - set(names)
-    for name in sorted(extra if names else ()):
+    for name in sorted(extra if names or demand_n else ()):
         outcome.differ(f"field/{name}", "", "a table that the reference does not have", "no such table")
     for name in names:
-        if not (results / name).is_file():
-            outcome.differ(f"field/{name}", "", "no table in the results", "the table")
-            continue
-        frames = [tables.read_text(folder / name) for folder in (results, reference)]
-        for frame in frames:
-            frame.insert(0, "row", [str(position) for position in range(len(frame))])
-        kinds = {column: "key" if column == "row" else "optional" for column in frames[1].columns}
-        compare_frames(f"field/{name}", _specification(f"field/{name}", kinds), *frames, outcome)
+        _compare_field_table(f"field/{name}", results / name, reference / name, outcome)
     return []
+
+
+def _listed_field_tables(folder: Path) -> set[str]:
+    path = folder / "manifest.json"
+    artefacts = json.loads(path.read_text(encoding="utf-8"))["artefacts"] if path.is_file() else ()
+    return {name for name in artefacts if name.endswith(".csv")}
+
+
+def _compare_field_table(name: str, found_path: Path, expected_path: Path, outcome: Comparison) -> None:
+    if not found_path.is_file():
+        outcome.differ(name, "", "no table in the results", "the table")
+        return
+    try:
+        frames = [tables.read_text(path) for path in (found_path, expected_path)]
+    except (ValueError, OSError) as error:
+        outcome.differ(name, "", f"an unreadable file ({error})", "a CSV file")
+        return
+    for frame in frames:
+        frame.insert(0, "row", [str(position) for position in range(len(frame))])
+    kinds = {column: "key" if column == "row" else "measured" for column in frames[1].columns}
+    compare_frames(name, _specification(name, kinds), *frames, outcome)
 
 
 def _check_tolerances(name: str, table, path: Path, outcome: Comparison) -> None:

@@ -1,21 +1,28 @@
 """Comparing two CSV files cell by cell, and naming what differs.
 
-Cells are compared as they stand in the files. Kinds of columns are those of `robins.papers.protocol.Column`, and one
-that only the claim ledger has: ``verdict`` (compared only where the n is equal). ``optional`` cells hold a number, words
-or nothing; in ``prose`` the words are exact and the numerals agree to their last printed digit, where the n is equal.
+Cells are compared as they stand in the files. Kinds of columns are those of `robins.papers.protocol.Column`, and these:
+``verdict`` of the claim ledger is one of the closed list of words and compared only where the n is equal; ``printed`` is
+the paper's own number, compared as text; ``measured`` of field tables is ``optional`` with exact whole numbers.
+``optional`` cells hold a number, words or nothing; in ``prose`` the words are exact and the numerals agree to their last
+printed digit and to `PROSE_RELATIVE`, where the n is equal.
 """
 
 import math
 import re
+from collections import Counter
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import pandas as pd
 
+from robins.evaluate.verdicts import Verdict
 from robins.publish import tables
-from robins.publish.tables import FAILED
+from robins.publish.tables import FAILED, PLAIN_COUNT, PLAIN_NUMBER
 
-_NUMERAL = re.compile(r"-?\d+(?:\.\d+)?(?:e[+-]?\d+)?")
+PROSE_RELATIVE = 1e-3
+"""How far two numerals in a sentence may differ at most: one unit in the last digit of "0.1" would be far too much."""
+_NUMERAL = re.compile(r"-?[0-9]+(?:\.[0-9]+)?(?:e[+-]?[0-9]+)?")
+_VERDICTS = frozenset(map(str, Verdict))
 
 
 @dataclass
@@ -81,7 +88,7 @@ def _is_sound(name: str, table, frame: pd.DataFrame, side: str, outcome: Compari
         return False
     before = len(outcome.differences)
     keys = _keys(frame, table)
-    for key in sorted({key for key in keys if keys.count(key) > 1}):
+    for key in sorted(key for key, count in Counter(keys).items() if count > 1):
         outcome.differ(name, f"row {_words(key)}", f"a duplicate key in the {side}", "each key once")
     for column in table.columns:
         for key, cell in zip(keys, frame[column.name], strict=True):
@@ -95,18 +102,26 @@ def _objection(cell: str, kind: str) -> str:
     """What the text of a cell should be, when it is not; else nothing."""
     if kind == "number" and cell != FAILED and not math.isfinite(_number(cell)):
         return f"a finite number or {FAILED!r}"
-    if kind == "count" and not re.fullmatch(r"-?\d+", cell):
+    if kind == "count" and not PLAIN_COUNT.fullmatch(cell):
         return "a whole number"
-    if kind == "optional" and cell.strip().lower().lstrip("+-") in ("nan", "inf", "infinity"):
+    if kind in ("optional", "measured", "printed") and _is_crooked(cell):
         return "a finite number, words or nothing"
+    if kind == "verdict" and cell not in _VERDICTS:
+        return "a verdict: " + ", ".join(sorted(_VERDICTS))
     return ""
 
 
-def _number(cell: str) -> float:
+def _is_crooked(cell: str) -> bool:
+    """Whether Python would take `cell` for a number though it is none to be published, like ``nan`` or ``1_0``."""
     try:
-        return float(cell)
+        float(cell)
     except ValueError:
-        return math.nan
+        return False
+    return not math.isfinite(_number(cell))
+
+
+def _number(cell: str) -> float:
+    return float(cell) if PLAIN_NUMBER.fullmatch(cell) else math.nan
 
 
 def _keys(frame: pd.DataFrame, table) -> list[tuple[str, ...]]:
@@ -147,7 +162,8 @@ def _compare_row(name: str, table, key: tuple[str, ...], found: dict, expected: 
 
 def _compare_cell(name: str, place: str, column, found: str, expected: str, outcome: Comparison) -> None:
     numbers = _number(found), _number(expected)
-    if column.kind in ("number", "optional") and all(map(math.isfinite, numbers)):
+    whole = column.kind == "measured" and PLAIN_COUNT.fullmatch(found) and PLAIN_COUNT.fullmatch(expected)
+    if column.kind in ("number", "optional", "measured") and not whole and all(map(math.isfinite, numbers)):
         distance = abs(numbers[0] - numbers[1])
         if distance:
             outcome.largest = max(outcome.largest, distance / max(map(abs, numbers)))
@@ -162,7 +178,12 @@ def _same_prose(found: str, expected: str) -> bool:
     if _NUMERAL.sub("#", found) != _NUMERAL.sub("#", expected):
         return False
     pairs = zip(_NUMERAL.findall(found), _NUMERAL.findall(expected), strict=True)
-    return all(abs(float(a) - float(b)) <= 1.001 * max(_last_digit(a), _last_digit(b)) for a, b in pairs)
+    return all(a == b or _same_numeral(a, b) for a, b in pairs)
+
+
+def _same_numeral(found: str, expected: str) -> bool:
+    a, b = float(found), float(expected)
+    return abs(a - b) <= min(1.001 * max(_last_digit(found), _last_digit(expected)), PROSE_RELATIVE * max(abs(a), abs(b)))
 
 
 def _last_digit(numeral: str) -> float:

@@ -5,7 +5,10 @@ from it is refused with the name of the cell; so is NaN or infinity, which never
 survives, the cell is the word ``failed``.
 """
 
+import csv
 import math
+import re
+from io import StringIO
 from numbers import Integral, Real
 from pathlib import Path
 
@@ -15,6 +18,9 @@ from robins.foundation.errors import InputError
 from robins.foundation.files import write_text
 
 FAILED = "failed"
+PLAIN_NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
+"""A number as tables spell it: no spaces, no underscores, no digits but these ten; not infinity either."""
+PLAIN_COUNT = re.compile(r"-?[0-9]+")
 
 
 def write(frame: pd.DataFrame, table, path, n: int | None = None) -> int:
@@ -109,31 +115,43 @@ def _spelled(value) -> str:
 
 
 def read_text(path) -> pd.DataFrame:
-    """A CSV as it stands: every cell text, nothing interpreted, empty cells empty."""
-    return pd.read_csv(path, dtype=str, keep_default_na=False, na_filter=False)
+    """A CSV as it stands: every cell text, nothing interpreted, empty cells empty.
+
+    Raises
+    ------
+    InputError
+        The file has a byte-order mark or a carriage return, a column twice, or a row with more or fewer fields than the
+        header. Bytes that are no UTF-8 are a ValueError too.
+    """
+    text = Path(path).read_bytes().decode("utf-8")
+    for mark, name in (("\ufeff", "a byte-order mark"), ("\r", "a carriage return")):
+        if mark in text:
+            raise InputError(path, "", name, "UTF-8 with Unix line ends")
+    try:
+        header, *rows = csv.reader(StringIO(text, newline=""), strict=True)
+    except (csv.Error, ValueError) as error:
+        raise InputError(path, "", f"no table ({error})", "a header and rows") from error
+    if len(set(header)) < len(header):
+        raise InputError(path, "header", ",".join(header), "each column once")
+    for position, row in enumerate(rows):
+        if len(row) != len(header):
+            raise InputError(path, f"row {position}", f"{len(row)} fields", f"{len(header)}, as in the header")
+    return pd.DataFrame(rows, columns=header, dtype=str)
 
 
 def read(path, table) -> pd.DataFrame:
-    """Read a published table back; number columns are float64 unless they hold the word ``failed``."""
+    """Read a published table back; number columns are float64 unless they hold the word ``failed``.
+
+    A cell that is no plain number stays text, which `validate` refuses where a number has to be.
+    """
     frame = read_text(path)
     for column in table.columns:
         if column.kind == "count":
-            frame[column.name] = frame[column.name].astype(int)
-        elif column.kind == "number" and not (frame[column.name] == FAILED).any():
-            frame[column.name] = frame[column.name].astype(float)
-        elif column.kind == "number":
-            frame[column.name] = [value if value == FAILED else float(value) for value in frame[column.name]]
-        elif column.kind == "optional":
-            frame[column.name] = [_as_number(value) for value in frame[column.name]]
+            frame[column.name] = [int(cell) if PLAIN_COUNT.fullmatch(cell) else cell for cell in frame[column.name]]
+        elif column.kind in ("number", "optional"):
+            frame[column.name] = [float(cell) if PLAIN_NUMBER.fullmatch(cell) else cell for cell in frame[column.name]]
     validate(frame, table)
     return frame
-
-
-def _as_number(cell: str) -> float | str:
-    try:
-        return float(cell)
-    except ValueError:
-        return cell
 
 
 def markdown(frame: pd.DataFrame, table, n: int | None = None) -> str:
