@@ -33,7 +33,8 @@ def main(arguments: list[str] | None = None) -> int:
     from robins.papers import all_papers, pipeline
 
     try:
-        if not Path(robins.__file__).resolve().is_relative_to(repository / "src"):
+        source = repository / "src" / "robins"
+        if source.is_dir() and not Path(robins.__file__).resolve().is_relative_to(source):
             raise InputError("--repository", "", f"{repository}, while robins is imported from elsewhere", "the clone that is installed")
         layout = pipeline.Layout(repository, options.ensemble)
         papers = {key: paper for key, paper in all_papers().items() if paper.published is None}  # not those of plug-ins
@@ -47,7 +48,7 @@ def main(arguments: list[str] | None = None) -> int:
                 return 0
             reference = reference_folder(repository, options.ensemble)
             outcome = compare(results, reference, papers, published, demand_n=options.ensemble == "standard")
-            return report(outcome, jobs, compare_field(results, reference, outcome))
+            return report(outcome, jobs, compare_field(results, reference, outcome, demand_n=options.ensemble == "standard"))
     except InputError as error:
         print(f"robins: {error}", file=sys.stderr)
         return 1
