@@ -14,7 +14,7 @@ from robins.kalman.weights import Weighting, close_list, known, names, unit, wei
 @entry_point
 def weigh_once(weighting, innovation, R, memory, epoch, weights):
     """What a filter does with a weighting, and nothing else."""
-    weigh(weighting, innovation, R, R, memory, epoch, weights)
+    weigh(weighting, weighting.parameters, innovation, R, R, memory, epoch, weights)
 
 
 def weights_of(method, innovation=(1.0, 4.0), epoch=0):
@@ -98,9 +98,9 @@ def test_a_weight_that_is_registered_late_is_used_and_disturbs_no_other(huber):
 def test_a_late_weight_is_the_same_outside_compiled_code(huber):
     out = np.ones(2)
     method = huber(2.0)
-    weigh(method, np.array([1.0, 4.0]), np.eye(2), np.eye(2), method.memory, 0, out)
+    weigh(method, method.parameters, np.array([1.0, 4.0]), np.eye(2), np.eye(2), method.memory, 0, out)
     np.testing.assert_array_equal(out, weights_of(method))
-    weigh(weighting("unit"), np.ones(2), np.eye(2), np.eye(2), method.memory, 0, np.ones(2))
+    weigh(weighting("unit"), np.ones(0), np.ones(2), np.eye(2), np.eye(2), method.memory, 0, np.ones(2))
 
 
 def test_a_late_weight_makes_a_filter_and_its_infinite_threshold_the_plain_one(huber, problem):

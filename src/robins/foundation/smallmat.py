@@ -87,32 +87,6 @@ def congruence(T, A, out):
 
 
 @kernel
-def congruence_pair(T, A, V, B, out):
-    """``out = T A^T + V B^T`` where the result is known to be symmetric; T, A ``(n, k)`` and V, B ``(n, l)``, all full."""
-    n, inner = A.shape
-    for i in range(n):
-        for j in range(i, n - 1, 2):  # two at a time: neither waits for the other's sum
-            first = second = 0.0
-            for k in range(inner):
-                factor = T[i, k]
-                first += factor * A[j, k]
-                second += factor * A[j + 1, k]
-            for k in range(B.shape[1]):
-                factor = V[i, k]
-                first += factor * B[j, k]
-                second += factor * B[j + 1, k]
-            out[i, j] = out[j, i] = first
-            out[i, j + 1] = out[j + 1, i] = second
-        if (n - i) % 2 == 1:
-            total = 0.0
-            for k in range(inner):
-                total += T[i, k] * A[n - 1, k]
-            for k in range(B.shape[1]):
-                total += V[i, k] * B[n - 1, k]
-            out[i, n - 1] = out[n - 1, i] = total
-
-
-@kernel
 def cholesky(S, L):
     """Lower Cholesky factor of `S` into `L` (upper half set to zero); both ``(m, m)``, and `L` may be `S`.
 

@@ -67,6 +67,11 @@ def implements(generic, model_type: type):
     return register
 
 
+def has_kernel(generic: str, model) -> bool:
+    """Whether `generic` has a kernel of its own for a Numba type or a Python value."""
+    return (generic, getattr(model, "instance_class", None) or type(model)) in _kernels
+
+
 def kernel_of(generic: str, model):
     """The kernel of `generic` for a Numba type or a Python value.
 

@@ -5,7 +5,8 @@ the same filter for a linear model whose weights do not depend on the data: gain
 computed once and then applied to every run.
 
 At each epoch k the order is: measurement update, record, prediction to k+1. `controls[k]` is u(k);
-`measurements[k]` is processed at k where ``valid[k]``.
+`measurements[k]` is processed at k where ``valid[k]``. A state may have more numbers than its error has
+(`robins.kalman.model.retract`): covariances, gains and variances are those of the error.
 """
 
 from typing import NamedTuple
@@ -16,10 +17,11 @@ from numba import njit
 from robins.foundation.smallmat import assign, kernel, multiply, solve_rows, times_vector, whiten
 from robins.kalman.differencing import correlate_prediction
 from robins.kalman.extension import entry_point
-from robins.kalman.model import linearise_observation, observe, propagate
-from robins.kalman.predict import predict
-from robins.kalman.update import innovation_covariance, update, workspace
-from robins.kalman.weights import weigh
+from robins.kalman.model import linearise_observation, observe, propagate, retract
+from robins.kalman.predict import Ukf, predict
+from robins.kalman.reweighted import process
+from robins.kalman.update import update, workspace
+from robins.kalman.weights import ONCE
 
 
 class Record(NamedTuple):
@@ -30,13 +32,15 @@ class Record(NamedTuple):
     prior, posterior, delayed : ndarray, shape (runs, N, r)
         The first r states before and after the update at k, and the estimate of x(k) after the measurement
         of k+1 (NaN at the last epoch and where `delayed` was not asked for).
-    prior_variance, posterior_variance, delayed_variance : ndarray, shape (runs, N, r)
-        The filter's own variances of these (one run only where they are the same for all).
+    prior_variance, posterior_variance, delayed_variance : ndarray, shape (runs, N, min(r, n))
+        The filter's own variances of the leading errors (one run only where they are the same for all).
     innovation, innovation_variance, weights, gain_norm, gain_diagonal : ndarray, shape (runs, N, m)
         Innovation, diagonal of S (infinite for a channel of weight zero), weights, Euclidean norm of the gain's
         columns, diagonal of the gain (NaN for a channel beyond the last state); NaN where nothing was processed.
     nis : ndarray, shape (runs, N)
         Normalised innovation squared.
+    covariance : ndarray, shape (runs, marks, n, n)
+        The whole posterior covariance at the marked epochs.
     failed : ndarray of int, shape (runs,)
         Epoch whose update or prediction failed (a covariance without Cholesky factor; a state, a variance, an
         innovation or a weight that is not finite), or -1. What would have followed is NaN.
@@ -54,19 +58,21 @@ class Record(NamedTuple):
     gain_norm: np.ndarray
     gain_diagonal: np.ndarray
     nis: np.ndarray
+    covariance: np.ndarray
     failed: np.ndarray
 
 
 @njit(cache=True)
-def empty_record(runs, epochs, states, channels, variances):
-    """A `Record` full of NaN, with `variances` runs in the arrays that do not depend on the data."""
-    own, shared = (runs, epochs, states), (variances, epochs, states)
+def empty_record(runs, epochs, states, errors, channels, variances, marks):
+    """A `Record` full of NaN, with `variances` runs in the arrays that do not depend on the data, for `errors` error states."""
+    own, shared = (runs, epochs, states), (variances, epochs, min(states, errors))
     seen, shared_seen = (runs, epochs, channels), (variances, epochs, channels)
     return Record(
         np.full(own, np.nan), np.full(own, np.nan), np.full(own, np.nan),
         np.full(shared, np.nan), np.full(shared, np.nan), np.full(shared, np.nan),
         np.full(seen, np.nan), np.full(shared_seen, np.nan), np.full(shared_seen, np.nan), np.full(shared_seen, np.nan),
-        np.full(shared_seen, np.nan), np.full((runs, epochs), np.nan), np.full(runs, -1),
+        np.full(shared_seen, np.nan), np.full((runs, epochs), np.nan), np.full((runs, marks, errors, errors), np.nan),
+        np.full(runs, -1),
     )  # fmt: skip
 
 
@@ -79,9 +85,9 @@ def record_states(x, states):
 
 @kernel
 def record_moments(x, P, states, variances):
-    """Copy the leading states and their variances out."""
+    """Copy the leading states and the leading errors' variances out."""
     record_states(x, states)
-    for i in range(states.size):
+    for i in range(variances.size):
         variances[i] = P[i, i]
 
 
@@ -112,13 +118,15 @@ def record_delayed(work, states, variances, earlier, earlier_variances):
 def is_sound(x, P):
     """Whether the state and its variances are finite."""
     for i in range(x.size):
-        if not (np.isfinite(x[i]) and np.isfinite(P[i, i])):
+        if not np.isfinite(x[i]):
+            return False
+    for i in range(P.shape[0]):
+        if not np.isfinite(P[i, i]):
             return False
     return True
 
 
-@entry_point
-def run_filter(predictor, model, sensor, weighting, x0, P0, controls, measurements, valid, states, delayed):
+def run_filter(predictor, model, sensor, weighting, x0, P0, controls, measurements, valid, states, delayed, marks=()) -> Record:
     """Run one filter over every record of an ensemble.
 
     Parameters
@@ -128,15 +136,19 @@ def run_filter(predictor, model, sensor, weighting, x0, P0, controls, measuremen
         With kernels for the functions of `robins.kalman.model`; the sensor also has the noise of `Sensor`.
     weighting : Weighting
     x0 : ndarray, shape (runs, n)
+        Longer than the error where the model retracts.
     P0 : ndarray, shape (n, n)
         Prior of the first epoch, before its measurement.
-    controls : ndarray, shape (N, l)
+    controls : ndarray, shape (N, l) or (runs, N, l)
+        The same for all runs, or each its own.
     measurements : ndarray, shape (runs, N, m)
     valid : ndarray of bool, shape (N,)
     states : int
         How many leading states to record.
     delayed : bool
         Whether to record the one-step-delayed estimate.
+    marks : sequence of int
+        Epochs, increasing, at which to record the whole covariance.
 
     Returns
     -------
@@ -145,34 +157,48 @@ def run_filter(predictor, model, sensor, weighting, x0, P0, controls, measuremen
     Raises
     ------
     ValueError
-        The delayed estimate is asked for although a cross-covariance is not zero: its gain would be another.
+        The delayed estimate, or an iterated weighting, is asked for although a cross-covariance is not zero (its gain would be
+        another); an iterated weighting although a part of the noise is fixed; or the error and the state differ in length where
+        the delayed estimate or sigma points need them equal.
     """
+    iteration = getattr(weighting, "iteration", ONCE)
+    correlated = np.any(sensor.C_update) or np.any(sensor.C_predict)
+    if delayed and correlated:
+        raise ValueError("the delayed estimate needs zero cross-covariances")
+    if iteration.limit > 0 and (correlated or np.any(sensor.R_fixed)):
+        raise ValueError("iterated weights need zero cross-covariances and no fixed part of the noise")
+    if x0.shape[1] != P0.shape[0] and (delayed or isinstance(predictor, Ukf)):
+        raise ValueError("the delayed estimate and sigma points need a state that is as long as its error")
+    controls = controls if controls.ndim == 3 else controls[None]
+    return filter_records(
+        predictor, model, sensor, weighting, x0, P0, controls, measurements, valid, states, delayed, np.array(marks, dtype=np.int64)
+    )
+
+
+@entry_point
+def filter_records(predictor, model, sensor, weighting, x0, P0, controls, measurements, valid, states, delayed, marks):
+    """The compiled part of `run_filter`; `controls` ``(1 or runs, N, l)``."""
     runs, epochs, m = measurements.shape
-    n = x0.shape[1]
-    record = empty_record(runs, epochs, states, m, runs)
+    n = P0.shape[0]
+    record = empty_record(runs, epochs, states, n, m, runs, marks.size)
     work = workspace(n, m)
     at_update, at_prediction = np.any(sensor.C_update != 0.0), np.any(sensor.C_predict != 0.0)
-    if delayed and (at_update or at_prediction):
-        raise ValueError("the delayed estimate needs zero cross-covariances")
-    predicted, predicted_noise = np.empty((m, m)), np.empty((n, m))
-    weights, predicted_z = np.ones(m), np.empty(m)
+    predicted, weights, predicted_z = np.empty((m, m)), np.ones(m), np.empty(m)
     for run in range(runs):
-        x, P = x0[run].copy(), P0.copy()
+        x, P, u = x0[run].copy(), P0.copy(), controls[min(run, controls.shape[0] - 1)]
         memory = weighting.memory.copy()
-        updates = 0
+        updates, marked = 0, 0
         for k in range(epochs):
             record_moments(x, P, record.prior[run, k], record.prior_variance[run, k])
             if valid[k]:
-                linearise_observation(sensor, x, controls[k], work.H)
-                observe(sensor, x, controls[k], predicted_z)
+                linearise_observation(sensor, x, u[k], work.H)
+                observe(sensor, x, u[k], predicted_z)
                 for i in range(m):
                     work.innovation[i] = measurements[run, k, i] - predicted_z[i]
-                    weights[i] = 1.0
-                if weighting.kind != 0:
-                    innovation_covariance(P, work.H, sensor.R_fixed, sensor.C_update, at_update, weights, predicted_noise, predicted)
-                    weigh(weighting, work.innovation, predicted, sensor.R, memory, updates, weights)
-                nis = update(x, P, work.innovation, work.H, sensor.R, sensor.R_fixed, sensor.C_update, at_update, weights, work)
+                nis = process(weighting, P, sensor, at_update, memory, updates, weights, predicted, work)
                 updates += 1
+                if not np.isnan(nis):
+                    retract(model, x, work.shift)
                 if np.isnan(nis) or not is_sound(x, P):
                     record.failed[run] = k
                     break
@@ -182,14 +208,20 @@ def run_filter(predictor, model, sensor, weighting, x0, P0, controls, measuremen
                     record_delayed(work, record.delayed[run, k - 1], record.delayed_variance[run, k - 1],
                                    record.posterior[run, k - 1], record.posterior_variance[run, k - 1])  # fmt: skip
             record_moments(x, P, record.posterior[run, k], record.posterior_variance[run, k])
+            if marked < marks.size and k == marks[marked]:
+                assign(P, record.covariance[run, marked])
+                marked += 1
             if k + 1 < epochs:
-                predictable = predict(predictor, model, x, P, controls[k], work)
+                predictable = predict(predictor, model, x, P, u[k], work)
                 if predictable and at_prediction and valid[k]:
                     correlate_prediction(x, P, sensor.C_predict, work)
                 if not (predictable and is_sound(x, P)):
                     record.failed[run] = k
                     break
     return record
+
+
+run_filter.dispatcher = filter_records.dispatcher
 
 
 @kernel
@@ -336,7 +368,7 @@ def run_schedule(plan, model, sensor, x0, controls, measurements, states, delaye
     """
     runs, epochs, m = measurements.shape
     n = x0.shape[1]
-    record = empty_record(runs, epochs, states, m, 1)
+    record = empty_record(runs, epochs, states, n, m, 1, 0)
     record_plan(plan, record)
     innovation, shift, P = np.empty(m), np.empty(n), np.zeros((n, n))
     for run in range(runs):

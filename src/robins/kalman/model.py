@@ -5,6 +5,10 @@ Measurement      ``z(k) = h(x(k), u(k)) + v(k)``,    ``cov v = R``
 
 `propagate` and `linearise` describe the state equation; `observe` and `linearise_observation` the
 measurement. A model registers its kernels with `robins.kalman.extension.implements`.
+
+The covariance, F, Q and H belong to the error of the state. Where the state is a vector, that is a difference. A model of an
+attitude keeps its state in more numbers than its error has (a quaternion and a rotation vector) and registers `retract`,
+which applies an error to a state; the filter is then an error-state (multiplicative) one.
 """
 
 from typing import NamedTuple
@@ -14,7 +18,7 @@ from numba import njit
 from numba.extending import overload
 
 from robins.foundation.smallmat import assign, times_vector
-from robins.kalman.extension import implements, kernel_of
+from robins.kalman.extension import has_kernel, implements, kernel_of
 
 
 def propagate(model, x, u):
@@ -35,6 +39,18 @@ def observe(sensor, x, u, z):
 def linearise_observation(sensor, x, u, H):
     """Write ``dh/dx`` at `x` into `H` ``(m, n)``."""
     return kernel_of("linearise_observation", sensor)(sensor, x, u, H)
+
+
+def retract(model, x, error):
+    """Apply the `error` ``(n,)`` to the state `x` in place; the sum, unless the model says otherwise."""
+    return kernel_of("retract", model)(model, x, error) if has_kernel("retract", model) else add(model, x, error)
+
+
+@njit(cache=True)
+def add(model, x, error):
+    """``x += error``."""
+    for i in range(x.size):
+        x[i] += error[i]
 
 
 @overload(propagate, jit_options={"forceinline": True})
@@ -59,6 +75,12 @@ def _observe(sensor, x, u, z):
 def _linearise_observation(sensor, x, u, H):
     kernel = kernel_of("linearise_observation", sensor)
     return lambda sensor, x, u, H: kernel(sensor, x, u, H)
+
+
+@overload(retract, jit_options={"forceinline": True})
+def _retract(model, x, error):
+    kernel = kernel_of("retract", model) if has_kernel("retract", model) else add
+    return lambda model, x, error: kernel(model, x, error)
 
 
 class LinearModel(NamedTuple):

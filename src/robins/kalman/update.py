@@ -4,9 +4,13 @@
 covariance in Joseph form, with an optional cross-covariance C between the predicted state's error and the measurement noise:
 
     S = H P H^T + R_bar + H C + C^T H^T
-    K = (P H^T + C) S^-1
+    K = (P H^T + C) S^-1 diag(g)
     x <- x + K (z - h(x))
     P <- (I - K H) P (I - K H)^T + K R_bar K^T - (I - K H) C K^T - K C^T (I - K H)^T
+
+The gain factors g are one unless a method weights the gain instead of the noise; the Joseph form holds for any gain. A model
+whose state is not a vector (an attitude) takes the correction ``K (z - h(x))`` through `robins.kalman.model.retract`:
+`update_error` leaves it in ``work.shift``, `update` adds it to the state.
 
 A weight of zero removes its channel exactly: its row of H, of R and of the innovation and its column of C are
 left out of every sum.
@@ -19,7 +23,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from robins.foundation.smallmat import cholesky, congruence_pair, kernel, multiply, multiply_sparse, solve_rows, whiten
+from robins.foundation.smallmat import cholesky, kernel, multiply, multiply_sparse, solve_rows, whiten
 from robins.kalman.noise import weighted_noise
 
 
@@ -29,6 +33,7 @@ class Workspace(NamedTuple):
     After `update`: `K` gain, `S` innovation covariance, `L` its lower Cholesky factor, `white` the
     innovation whitened by it. A channel of weight zero has an infinite diagonal element in `S` and `L` and zeros
     beside it, so that whitening by `L` removes it from whatever comes next; its gain is zero.
+    `gain_factor` is g, ones on delivery; `shift` the correction of the (error) state.
     After `predict`: `F` transition Jacobian, `FP` = F P, the covariance between the predicted and the earlier state.
 
     `H` and `innovation` are the caller's to fill; the other arrays are scratch.
@@ -40,6 +45,8 @@ class Workspace(NamedTuple):
     A: np.ndarray
     T: np.ndarray
     H: np.ndarray
+    HP: np.ndarray
+    TH: np.ndarray
     K: np.ndarray
     KR: np.ndarray
     S: np.ndarray
@@ -47,6 +54,7 @@ class Workspace(NamedTuple):
     R: np.ndarray
     innovation: np.ndarray
     white: np.ndarray
+    gain_factor: np.ndarray
     shift: np.ndarray
     points: np.ndarray
 
@@ -57,9 +65,9 @@ def workspace(n, m):
     square, tall, small = (n, n), (n, m), (m, m)
     return Workspace(
         np.zeros(square), np.zeros(square), np.zeros(square), np.zeros(square), np.zeros(square),
-        np.zeros((m, n)), np.zeros(tall), np.zeros(tall),
+        np.zeros((m, n)), np.zeros((m, n)), np.zeros(tall), np.zeros(tall), np.zeros(tall),
         np.zeros(small), np.zeros(small), np.zeros(small),
-        np.zeros(m), np.zeros(m), np.zeros(n), np.zeros((2 * n + 1, n)),
+        np.zeros(m), np.zeros(m), np.ones(m), np.zeros(n), np.zeros((2 * n + 1, n)),
     )  # fmt: skip
 
 
@@ -123,43 +131,74 @@ def innovation_covariance(P, H, R, C, correlated, weights, PH, S):
 
 
 @kernel
-def remainder(K, H, out):
-    """``out = I - K H``."""
-    n, m = K.shape
+def times_transposed(T, H, out):
+    """``out = T H^T`` for shapes ``(n, n)``, ``(m, n)``, ``(n, m)``; skips zeros of `H`."""
+    n, m = out.shape
     for i in range(n):
-        for j in range(n):
+        for j in range(m):
             out[i, j] = 0.0
-        out[i, i] = 1.0
-    for k in range(m):
-        for j in range(n):
-            factor = H[k, j]
+    for j in range(m):
+        for k in range(n):
+            factor = H[j, k]
             if factor != 0.0:
                 for i in range(n):
-                    out[i, j] -= K[i, k] * factor
+                    out[i, j] += T[i, k] * factor
 
 
 @kernel
-def subtract_correlation(A, C, K, AC, P):
-    """``P -= A C K^T + K C^T A^T``; leaves ``A C`` in `AC`."""
+def reduce_covariance(P, K, H, HP, out):
+    """``out = (I - K H) P``; leaves ``H P`` in `HP` ``(m, n)``."""
     n, m = K.shape
-    multiply(A, C, AC)
+    multiply(H, P, HP)
+    for i in range(n):
+        for k in range(n):
+            out[i, k] = P[i, k]
+        for j in range(m):
+            factor = K[i, j]
+            for k in range(n):
+                out[i, k] -= factor * HP[j, k]
+
+
+@kernel
+def subtract_correlation(K, H, C, T, P):
+    """``P -= A C K^T + K C^T A^T`` for ``A = I - K H``; leaves ``A C`` in `T` ``(n, m)``."""
+    n, m = K.shape
+    for i in range(n):
+        for j in range(m):
+            T[i, j] = C[i, j]
+            for a in range(m):
+                for k in range(n):
+                    T[i, j] -= K[i, a] * H[a, k] * C[k, j]
     for i in range(n):
         for j in range(i, n):
             for k in range(m):
-                P[i, j] -= AC[i, k] * K[j, k] + K[i, k] * AC[j, k]
+                P[i, j] -= T[i, k] * K[j, k] + K[i, k] * T[j, k]
             P[j, i] = P[i, j]
 
 
 @kernel
 def joseph(P, K, H, R, C, correlated, work):
-    """Joseph form of the posterior covariance, in place; valid for any gain. See the module's docstring."""
-    A, AP, KR = work.A, work.T, work.KR
-    remainder(K, H, A)
-    multiply(A, P, AP)
+    """Joseph form of the posterior covariance, in place; valid for any gain. See the module's docstring.
+
+    ``A P A^T + K R K^T = T + (K R - T H^T) K^T`` with ``A = I - K H`` and ``T = A P``: the same products in an order that
+    costs n^2 m instead of n^3.
+    """
+    T, TH, KR = work.A, work.TH, work.KR
+    n, m = K.shape
+    reduce_covariance(P, K, H, work.HP, T)
+    times_transposed(T, H, TH)
     multiply_sparse(K, R, KR)
-    congruence_pair(AP, A, KR, K, P)
+    for i in range(n):
+        for j in range(m):
+            KR[i, j] -= TH[i, j]
+    for i in range(n):
+        for j in range(i + 1):
+            total = T[i, j]
+            for k in range(m):
+                total += KR[i, k] * K[j, k]
+            P[i, j] = P[j, i] = total
     if correlated:
-        subtract_correlation(A, C, K, KR, P)
+        subtract_correlation(K, H, C, TH, P)
 
 
 @kernel
@@ -184,14 +223,24 @@ def whitened_square(L, b):
 
 
 @kernel
-def correct(x, K, innovation, weights):
-    """``x += K Delta`` without the channels of weight zero, whatever their innovation."""
-    for i in range(x.size):
-        total = x[i]
+def weighted_gain(L, factor, K):
+    """``K <- K S^-1 diag(factor)`` for ``S = L L^T``."""
+    n, m = K.shape
+    solve_rows(L, K)
+    for i in range(n):
+        for j in range(m):
+            K[i, j] *= factor[j]
+
+
+@kernel
+def correction(K, innovation, weights, shift):
+    """``shift = K Delta`` without the channels of weight zero, whatever their innovation."""
+    for i in range(shift.size):
+        total = 0.0
         for j in range(weights.size):
             if weights[j] > 0.0:
                 total += K[i, j] * innovation[j]
-        x[i] = total
+        shift[i] = total
 
 
 @kernel
@@ -200,6 +249,25 @@ def mark_removed(weights, S, L):
     for j in range(weights.size):
         if weights[j] == 0.0:
             S[j, j] = L[j, j] = np.inf
+
+
+@kernel
+def update_error(P, innovation, H, R, R_fixed, C, correlated, weights, work):
+    """`update` without the state: the correction that it asks for is left in ``work.shift`` ``(n,)``."""
+    K, S, L, white, R_bar = work.K, work.S, work.L, work.white, work.R
+    if not (kept_innovation(innovation, weights, white) and weighted_noise(R, R_fixed, weights, R_bar)):
+        return np.nan
+    innovation_covariance(P, H, R_bar, C, correlated, weights, K, S)
+    if not cholesky(S, L):
+        return np.nan
+    nis = whitened_square(L, white)
+    if not np.isfinite(nis):
+        return np.nan
+    weighted_gain(L, work.gain_factor, K)
+    correction(K, innovation, weights, work.shift)
+    joseph(P, K, H, R_bar, C, correlated, work)
+    mark_removed(weights, S, L)
+    return nis
 
 
 @kernel
@@ -223,17 +291,8 @@ def update(x, P, innovation, H, R, R_fixed, C, correlated, weights, work):
         as they were, when the innovation covariance is not positive definite, when an innovation that takes part is
         not finite, or when a weight is negative or not finite.
     """
-    K, S, L, white, R_bar = work.K, work.S, work.L, work.white, work.R
-    if not (kept_innovation(innovation, weights, white) and weighted_noise(R, R_fixed, weights, R_bar)):
-        return np.nan
-    innovation_covariance(P, H, R_bar, C, correlated, weights, K, S)
-    if not cholesky(S, L):
-        return np.nan
-    nis = whitened_square(L, white)
-    if not np.isfinite(nis):
-        return np.nan
-    solve_rows(L, K)
-    correct(x, K, innovation, weights)
-    joseph(P, K, H, R_bar, C, correlated, work)
-    mark_removed(weights, S, L)
+    nis = update_error(P, innovation, H, R, R_fixed, C, correlated, weights, work)
+    if not np.isnan(nis):
+        for i in range(x.size):
+            x[i] += work.shift[i]
     return nis

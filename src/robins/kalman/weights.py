@@ -34,12 +34,53 @@ _latecomers: dict[str, type] = {}
 _closed = False
 
 
+class Iteration(NamedTuple):
+    """A fixed-point iteration of weights (`robins.kalman.fixed_point`).
+
+    Attributes
+    ----------
+    limit : int
+        The largest number of iterations; 0 for weights that are taken from the innovation, once.
+    tolerance : float
+        Relative change of the whitened correction at which it stops before.
+    floor : float
+        The smallest weight.
+    warm : bool
+        Whether to start at the least-squares solution; at the prior otherwise.
+    prior : ndarray, shape (p,)
+        Constants of the weight function for the prior's residuals; empty when the prior keeps weight one.
+    """
+
+    limit: int
+    tolerance: float
+    floor: float
+    warm: bool
+    prior: np.ndarray
+
+
+ONCE = Iteration(0, 0.0, 0.0, False, np.zeros(0))
+"""No iteration."""
+
+
 class Weighting(NamedTuple):
-    """A weight function with its constants ``(p,)`` and its initial memory ``(r, c)``."""
+    """A weight function and how a filter uses it.
+
+    Attributes
+    ----------
+    kind : int
+        Its flag.
+    parameters, memory : ndarray, shapes (p,) and (r, c)
+        Its constants and its initial memory.
+    on_gain : bool
+        Whether the weights multiply the columns of the plain gain; they divide the noise otherwise.
+    iteration : Iteration
+    """
 
     kind: int
     parameters: np.ndarray
     memory: np.ndarray
+    on_gain: bool
+    iteration: Iteration
 
 
 def close_list() -> None:
@@ -76,18 +117,21 @@ def weight(name: str):
     return register
 
 
-def weighting(name: str, parameters=(), memory=None) -> Weighting:
+def weighting(name: str, parameters=(), memory=None, on_gain: bool = False, iteration: Iteration = ONCE) -> Weighting:
     """The `Weighting` of the weight function called `name`.
 
     Raises
     ------
     ValueError
-        No such weight; the message lists those there are.
+        No such weight (the message lists those there are), or weights on the gain are to be iterated.
     """
     if name not in names():
         raise ValueError(f"no weight is called {name!r}; there are {', '.join(names())}")
+    if on_gain and iteration.limit > 0:
+        raise ValueError("weights on the gain cannot be iterated: the iteration re-weights the noise and the prior")
     memory = np.zeros((1, 1)) if memory is None else np.ascontiguousarray(memory, float)
-    return _latecomers.get(name, Weighting)(_flags.get(name, -1), np.array(parameters, float), memory)
+    made = _latecomers.get(name, Weighting)
+    return made(_flags.get(name, -1), np.array(parameters, float), memory, on_gain, iteration)
 
 
 def names() -> list[str]:
@@ -95,19 +139,19 @@ def names() -> list[str]:
     return sorted([*_flags, *_latecomers])
 
 
-def weigh(weighting, innovation, predicted, R, memory, epoch, weights):
-    """Write the weights of the method that `weighting` names; see the module's docstring."""
+def weigh(weighting, parameters, innovation, predicted, R, memory, epoch, weights):
+    """Write the weights of the method that `weighting` names, with these `parameters`; see the module's docstring."""
     kernel = _kernels[weighting.kind] if type(weighting) is Weighting else kernel_of("weigh", weighting)
-    kernel(innovation, predicted, R, weighting.parameters, memory, epoch, weights)
+    kernel(innovation, predicted, R, parameters, memory, epoch, weights)
 
 
 @overload(weigh)
-def _weigh(weighting, innovation, predicted, R, memory, epoch, weights):
+def _weigh(weighting, parameters, innovation, predicted, R, memory, epoch, weights):
     if getattr(weighting, "instance_class", None) is not Weighting:
         own = kernel_of("weigh", weighting)
 
-        def alone(weighting, innovation, predicted, R, memory, epoch, weights):
-            own(innovation, predicted, R, weighting.parameters, memory, epoch, weights)
+        def alone(weighting, parameters, innovation, predicted, R, memory, epoch, weights):
+            own(innovation, predicted, R, parameters, memory, epoch, weights)
 
         return alone
     chain = None
@@ -115,8 +159,8 @@ def _weigh(weighting, innovation, predicted, R, memory, epoch, weights):
         chain = _link(flag, kernel, chain)
     chain = njit(chain)
 
-    def select(weighting, innovation, predicted, R, memory, epoch, weights):
-        chain(weighting.kind, innovation, predicted, R, weighting.parameters, memory, epoch, weights)
+    def select(weighting, parameters, innovation, predicted, R, memory, epoch, weights):
+        chain(weighting.kind, innovation, predicted, R, parameters, memory, epoch, weights)
 
     return select
 
