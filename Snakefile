@@ -31,6 +31,7 @@ try:
     LAYOUT = pipeline.Layout(ROOT, CONFIGURATION.ensemble)
     SETTINGS = {key: configuration.settings_for(paper, CONFIGURATION) for key, paper in PAPERS.items()}
     for key, paper in PAPERS.items():
+        pipeline.check_needs(paper)
         if paper.validate:
             paper.validate(SETTINGS[key])
         read_published(LAYOUT.published_numbers(paper))

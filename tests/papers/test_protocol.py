@@ -23,6 +23,13 @@ def test_jobs_are_scenarios_variants_and_studies_by_name_in_that_order():
     assert wing.jobs["ukf"].compute(SETTINGS).table["runs"].tolist() == [8]
 
 
+def test_a_job_that_needs_others_is_computed_from_their_results():
+    tuned = Job("tuned", "Tuned", lambda settings, results: Output(2 * results.table("ekf")), ("module",), needs=("ekf",))
+    made = Results(SETTINGS, pd.DataFrame(), lambda name: job(name).compute(SETTINGS))
+    assert tuned.compute(SETTINGS, made).table["runs"].tolist() == [16]
+    assert job("ekf").needs == ()
+
+
 def test_results_load_a_job_once():
     asked = []
 

@@ -54,6 +54,14 @@ def test_an_unknown_paper_is_refused(fresh, setting):
     assert refusal(fresh, papers=setting).startswith("robins: --config: papers: found 'nobody', expected ")
 
 
+def test_a_job_that_needs_what_nobody_makes_is_refused(fresh):
+    fresh.edit("toy.py", 'needs=("tuning",)', 'needs=("trimming",)')
+    assert refusal(fresh) == (
+        "robins: paper toy: needs of tuned: found 'trimming', "
+        "expected one of constant, diagnose/constant, plain, shrunk, theory, tuned, tuning"
+    )
+
+
 @pytest.mark.slow
 def test_a_run_without_recordings_says_how_to_get_one_and_leaves_the_field_results(fresh):
     kept = fresh.folder / "results" / "field" / "laser-gyro" / "extra-allan.csv"

@@ -4,11 +4,14 @@ import time
 from pathlib import Path
 from types import SimpleNamespace
 
+import pandas as pd
 import pytest
 
+from robins.evaluate import storage
 from robins.foundation.errors import InputError
 from robins.papers import pipeline, steps
 from robins.papers.configuration import Configuration
+from robins.papers.protocol import Job, Output
 
 from .conftest import PLUGIN, ROOT
 
@@ -43,8 +46,31 @@ def test_bad_input_found_in_a_step_reads_as_it_does_at_the_door(script, capsys):
     assert capsys.readouterr().err == "robins: estimate toy plain: data.csv: row 3: found text, expected a number\n"
 
 
+def desk(*jobs):
+    """The desk of a paper that has these jobs."""
+    paper = SimpleNamespace(
+        key="toy", sizes={}, options={"level": 3.0}, published=PLUGIN / "toy.csv", scenarios=(), jobs={job.name: job for job in jobs}
+    )
+    return steps.Desk(paper, Configuration("smoke", 1, ("toy",)), pipeline.Layout(ROOT, "smoke"))
+
+
 def test_a_result_that_is_not_among_the_needs_is_refused():
-    paper = SimpleNamespace(key="toy", sizes={}, options={}, published=PLUGIN / "toy.csv")
-    at = steps.Desk(paper, Configuration("smoke", 1, ("toy",)), pipeline.Layout(ROOT, "smoke"))
     with pytest.raises(LookupError, match="'shrunk' is not among the needs"):
-        at.results(["plain"]).table("shrunk")
+        desk().results(["plain"]).table("shrunk")
+
+
+def test_a_job_is_handed_what_it_needs_and_no_published_number(tmp_path, monkeypatch):
+    def tuned(settings, results):
+        with pytest.raises(LookupError, match="'other' is not among the needs"):
+            results.table("other")
+        assert results.published.empty and results.ledger is None
+        return Output(settings.options["level"] * results.table("tuning"))
+
+    tuning = Job("tuning", "", lambda settings: Output(pd.DataFrame({"weight": [0.5]})), ())
+    at = desk(tuning, Job("tuned", "", tuned, (), needs=("tuning",)))
+    monkeypatch.chdir(tmp_path)
+    for name in ("tuning", "tuned"):
+        steps.compute(at, name)
+    table, _ = storage.read_output(*at.layout.outputs(at.paper, "tuned"))
+    assert table["weight"].tolist() == [1.5]
+    assert not at.published.empty

@@ -14,7 +14,7 @@ NOTEBOOKS = 1 + (ROOT / "workflow" / "notebooks" / "overview.ipynb").is_file()
 EVERYTHING = PUBLISHING | {
     "simulate": 1,
     "diagnose": 1,
-    "estimate": 3,
+    "estimate": 5,
     "evaluate": 1,
     "tables_toy": 1,
     "figures_toy": 1,
@@ -48,7 +48,7 @@ def test_everything_the_registry_promises_is_published(finished):
     assert {f"results/{name}" for name in artefacts} == {name for name in names if name.endswith(("1.csv", "n.csv", ".png", "s.csv"))}
     assert "toy,C1," in (finished.folder / "results" / "claims.csv").read_text()
     complete = json.loads((finished.folder / "build" / "complete.json").read_text())
-    assert len(complete) == 2 * 4 + 2  # scenario, variants and study with two files each, diagnostics, claims
+    assert len(complete) == 2 * 6 + 2  # scenario, variants and studies with two files each, diagnostics, claims
 
 
 def test_a_second_run_does_nothing_and_says_so_quickly(finished):
@@ -71,6 +71,13 @@ def test_a_changed_definition_reruns_that_variant_and_what_depends_on_it(finishe
     workflow.edit("toy.py", 'variant("shrunk", 0.5)', 'variant("shrunk", 0.25)')
     once = {"estimate": 1, "evaluate": 1, "tables_toy": 1, "notebook": NOTEBOOKS}
     assert workflow.planned() == PUBLISHING | once
+
+
+def test_a_changed_tuning_job_reruns_the_variant_that_it_tunes_and_what_depends_on_that(finished, tmp_path):
+    workflow = finished.copy(tmp_path)
+    workflow.edit("toy.py", "weights=(0.9, 1.0)", "weights=(0.8, 1.0)")
+    once = {"estimate": 2, "figures_toy": 1, "manifest": 1, "report": 1, "notebook": NOTEBOOKS, "complete": 1, "all": 1}
+    assert workflow.planned() == once
 
 
 def test_changed_code_reruns_every_job_that_uses_it(finished, tmp_path):

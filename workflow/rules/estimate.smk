@@ -1,7 +1,11 @@
-# Variants (filters) and studies (sweeps, theory): one job each, over the whole ensemble.
+# Variants (filters) and studies (sweeps, theory): one job each, over the whole ensemble, after the jobs that it needs.
 
 
 rule estimate:
+    input:
+        lambda wildcards: LAYOUT.inputs(
+            PAPERS[wildcards.paper], [PAPERS[wildcards.paper].jobs[wildcards.job]]
+        ),
     output:
         f"{LAYOUT.build}/{{paper}}/estimate/{{job}}.parquet",
         f"{LAYOUT.build}/{{paper}}/estimate/{{job}}.npz",

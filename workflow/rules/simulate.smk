@@ -4,6 +4,10 @@
 # No rule compiles the kernels ahead of the fan-out. Two jobs that start together compile the same kernels twice, but
 # the second core had nothing else to do; Numba writes its cache files atomically and every later job finds them.
 rule simulate:
+    input:
+        lambda wildcards: LAYOUT.inputs(
+            PAPERS[wildcards.paper], [PAPERS[wildcards.paper].jobs[wildcards.job]]
+        ),
     output:
         f"{LAYOUT.build}/{{paper}}/simulate/{{job}}.parquet",
         f"{LAYOUT.build}/{{paper}}/simulate/{{job}}.npz",

@@ -1,7 +1,7 @@
 """What the workflow builds for a paper: names of files, what each needs, and the hash that says whether it is stale.
 
 The Snakefile and its rules are made from the registry through these functions, so no rule knows a paper by name.
-A *name* is whatever may stand in the ``needs`` of a table, figure or claim: a job of the paper (scenario, variant,
+A *name* is whatever may stand in the ``needs`` of a job, table, figure or claim: a job of the paper (scenario, variant,
 study), ``diagnose/<scenario>`` for the noise diagnostics of a scenario, or, in tables and figures, ``claims`` for the
 paper's judged claims.
 """
@@ -9,9 +9,11 @@ paper's judged claims.
 import hashlib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
-from robins.papers.protocol import Claim, Figure, Paper, Settings, Table
+from robins.foundation.errors import InputError
+from robins.papers.protocol import Claim, Figure, Job, Paper, Settings, Table
 from robins.publish.sourcehash import source_hash
 
 CLAIMS = "claims"
@@ -69,9 +71,9 @@ class Layout:
         stage = "simulate" if name in scenario_names(paper) else "estimate"
         return [f"{self.build}/{paper.key}/{stage}/{name}.{suffix}" for suffix in ("parquet", "npz")]
 
-    def inputs(self, paper: Paper, products: Iterable[Table | Figure | Claim]) -> list[str]:
-        """Files that hold everything the products need."""
-        return [path for name in needed(products) for path in self.outputs(paper, name)]
+    def inputs(self, paper: Paper, made: Iterable[Job | Table | Figure | Claim]) -> list[str]:
+        """Files that hold everything that these jobs or products need."""
+        return [path for name in needed(made) for path in self.outputs(paper, name)]
 
     def intermediates(self, paper: Paper) -> list[str]:
         """Every intermediate of the paper: jobs, diagnostics and the judged claims."""
@@ -108,9 +110,31 @@ def scenario_names(paper: Paper) -> list[str]:
     return [job.name for job in paper.scenarios]
 
 
-def needed(products: Iterable[Table | Figure | Claim]) -> list[str]:
-    """Names of the results that any of the products needs, each once, in order of appearance."""
-    return list(dict.fromkeys(name for product in products for name in product.needs))
+def needed(made: Iterable[Job | Table | Figure | Claim]) -> list[str]:
+    """Names of the results that any of these jobs or products needs, each once, in order of appearance."""
+    return list(dict.fromkeys(name for each in made for name in each.needs))
+
+
+def check_needs(paper: Paper) -> None:
+    """Refuse a paper whose jobs and products cannot be made in any order.
+
+    Raises
+    ------
+    InputError
+        A need is no result of the paper, or jobs need each other in a circle.
+    """
+    wanted = {job.name: job.needs for job in paper.jobs.values()} | {DIAGNOSE + name: (name,) for name in scenario_names(paper)}
+    for each in (*paper.jobs.values(), *paper.claims, *paper.tables, *paper.figures):
+        offered = {*wanted, CLAIMS} if isinstance(each, Table | Figure) else wanted
+        for name in each.needs:
+            if name not in offered:
+                label = each.claim_id if isinstance(each, Claim) else each.name
+                raise InputError(f"paper {paper.key}", f"needs of {label}", repr(name), f"one of {', '.join(sorted(offered))}")
+    try:
+        TopologicalSorter(wanted).prepare()
+    except CycleError as error:
+        circle = ", ".join(error.args[1])  # each is needed by the next
+        raise InputError(f"paper {paper.key}", "needs", f"a circle ({circle})", "jobs that can be made one after the other") from None
 
 
 def products(paper: Paper, stage: str) -> tuple[Table | Figure | Claim, ...]:
@@ -151,7 +175,8 @@ class Sources:
             return source_hash(["robins.diagnostics.summary"], {"scenario": self.result(name.removeprefix(DIAGNOSE))})
         job = self._paper.jobs[name]
         facts = {"paper": self._paper.key, "job": name, "definition": job.definition, "made_by": job.compute, "said": self._said}
-        return source_hash([*job.modules, *WRITERS["jobs"]], facts)
+        made_from = {"made_from": {need: self.result(need) for need in job.needs}} if job.needs else {}
+        return source_hash([*job.modules, *WRITERS["jobs"]], facts | made_from)
 
     def product(self, product: Table | Figure | Claim) -> str:
         """The hash of a table, a figure or a claim: its code, what it promises, and everything it is made from."""

@@ -52,21 +52,25 @@ class Job:
     name, label : str
         Key in file names (``[a-z0-9-]+``), and the words a reader sees.
     compute : callable
-        ``compute(settings) -> Output``.
+        ``compute(settings) -> Output``; for a job with `needs`, ``compute(settings, results) -> Output``. These `Results`
+        load what the job needs and nothing else, and their published numbers have no rows: no filter sees what the paper prints.
     modules : tuple of str
         Modules whose code the result depends on (their imports are followed).
     definition : mapping
         The composition that this row of the registry stands for; a change makes the job's result stale.
     family : str
         Variants: the filter family, which decides the colour everywhere (`robins.publish.style`).
+    needs : tuple of str
+        Results that it is made from, such as the jobs that tuned it (`robins.papers.pipeline` says what may stand here).
     """
 
     name: str
     label: str
-    compute: Callable[[Settings], Output]
+    compute: Callable[..., Output]
     modules: tuple[str, ...]
     definition: Mapping = field(default_factory=dict)
     family: str = ""
+    needs: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -197,7 +201,7 @@ class Paper:
 
 
 class Results:
-    """What tables, figures and claims are made from: the settings, the published numbers and the jobs' outputs.
+    """What tables, figures, claims and jobs with needs are made from: the settings, the published numbers and the jobs' outputs.
 
     Parameters
     ----------

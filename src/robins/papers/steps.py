@@ -9,7 +9,7 @@ import sys
 import threading
 import time
 import traceback
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
@@ -94,8 +94,8 @@ class Desk:
             self._loaded[name] = Output(*parts)
         return self._loaded[name]
 
-    def results(self, needs: Iterable[str]) -> Results:
-        """What an artefact with these `needs` is made from; a result that it does not name is refused."""
+    def only(self, needs: Iterable[str]) -> Callable[[str], Output]:
+        """`load` for whoever has these `needs`; a result that it does not name is refused."""
         allowed = frozenset(needs)
 
         def load(name: str) -> Output:
@@ -103,7 +103,11 @@ class Desk:
                 raise LookupError(f"{name!r} is not among the needs {sorted(allowed)}")
             return self.load(name)
 
-        return Results(self.settings, self.published, load, self.load(CLAIMS).table if CLAIMS in allowed else None)
+        return load
+
+    def results(self, needs: Iterable[str]) -> Results:
+        """What a table, figure or claim with these `needs` is made from."""
+        return Results(self.settings, self.published, self.only(needs), self.load(CLAIMS).table if CLAIMS in needs else None)
 
 
 def desk(snakemake) -> Desk:
@@ -119,8 +123,10 @@ def desks(snakemake) -> list[Desk]:
 
 
 def compute(at: Desk, name: str) -> None:
-    """Run a scenario, a variant or a study."""
-    storage.write_output(at.paper.jobs[name].compute(at.settings), *at.layout.outputs(at.paper, name), at.metadata)
+    """Run a scenario, a variant or a study, on the results that it needs."""
+    job = at.paper.jobs[name]
+    made_from = [Results(at.settings, at.published.head(0), at.only(job.needs))] if job.needs else []
+    storage.write_output(job.compute(at.settings, *made_from), *at.layout.outputs(at.paper, name), at.metadata)
 
 
 def diagnose(at: Desk, scenario: str) -> None:
