@@ -1,5 +1,6 @@
 """Reading and checking the configuration, without a workflow around it."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -56,6 +57,58 @@ def test_the_committed_configuration_is_sound():
 )
 def test_a_mistake_is_named_with_its_place_and_what_was_expected(overrides, said):
     assert message(**overrides).startswith(said)
+
+
+@pytest.fixture
+def tuning(tmp_path, monkeypatch):
+    """``tuning(**sizes)``: a configuration of a paper that tunes on its runs 1000, 1001, ... and has these `sizes` by itself."""
+    known = next(iter(all_papers().values()))
+
+    def make(**sizes):
+        smoke = {"runs": 8, "sweep_runs": 4, "tuning_runs": 2, "bootstrap": 5000} | sizes
+        paper = replace(known, key="tuned", sizes={"smoke": smoke}, first_runs={"tuning_runs": 1000})
+        monkeypatch.setattr(configuration, "all_papers", lambda: {"tuned": paper})
+        return path
+
+    path = beside_the_schema(tmp_path, "ensemble: smoke\nseed: 1\npapers: all\n")
+    return make
+
+
+def sized(**sizes):
+    """What the command line says about the sizes of that paper."""
+    return {"sizes": {"tuned": {"smoke": sizes}}}
+
+
+def test_no_reported_run_is_one_that_was_tuned_on(tuning):
+    path = tuning()
+    accepted = configuration.load(path, sized(runs=1000, tuning_runs=4000, bootstrap=9000))
+    assert configuration.settings_for(configuration.all_papers()["tuned"], accepted).sizes["tuning_runs"] == 4000
+    for name in ("runs", "sweep_runs"):
+        with pytest.raises(InputError) as refused:
+            configuration.load(path, sized(**{name: 1001}))
+        expected = "expected at most 1000: tuning_runs are the runs from 1000 on"
+        assert str(refused.value) == f"--config: sizes.tuned.smoke.{name}: found 1001, {expected}"
+
+
+def test_a_configuration_file_with_too_many_runs_is_named(tuning, tmp_path):
+    path = tuning()
+    path.write_text(path.read_text() + "sizes: {tuned: {standard: {runs: 1200}}}\n")
+    with pytest.raises(InputError) as refused:
+        configuration.load(path)
+    assert str(refused.value).startswith(f"{path}: sizes.tuned.standard.runs: found 1200, expected at most 1000: ")
+
+
+def test_the_sizes_of_a_wing_itself_keep_reported_and_tuned_runs_apart(tuning):
+    with pytest.raises(InputError, match=r"^robins\.papers\.tuned: sizes\.tuned\.smoke\.runs: found 2000, expected at most 1000"):
+        configuration.load(tuning(runs=2000))
+
+
+def test_a_first_run_of_no_size_is_refused(tuning, monkeypatch):
+    path = tuning()
+    paper = replace(configuration.all_papers()["tuned"], first_runs={"trimming_runs": 1000})
+    monkeypatch.setattr(configuration, "all_papers", lambda: {"tuned": paper})
+    with pytest.raises(InputError, match="^robins.papers.tuned: first_runs: found 'trimming_runs', expected one of bootstrap, runs, "):
+        configuration.load(path)
 
 
 def test_a_missing_key_is_named(tmp_path):

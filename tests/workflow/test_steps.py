@@ -49,9 +49,21 @@ def test_bad_input_found_in_a_step_reads_as_it_does_at_the_door(script, capsys):
 def desk(*jobs):
     """The desk of a paper that has these jobs."""
     paper = SimpleNamespace(
-        key="toy", sizes={}, options={"level": 3.0}, published=PLUGIN / "toy.csv", scenarios=(), jobs={job.name: job for job in jobs}
+        key="toy",
+        sizes={"smoke": {"runs": 8, "sweep_runs": 2, "tuning_runs": 5, "bootstrap": 200}},
+        options={"level": 3.0},
+        first_runs={"tuning_runs": 1000},
+        published=PLUGIN / "toy.csv",
+        scenarios=(),
+        jobs={job.name: job for job in jobs},
     )
     return steps.Desk(paper, Configuration("smoke", 1, ("toy",)), pipeline.Layout(ROOT, "smoke"))
+
+
+def test_an_output_says_which_runs_it_reports_and_which_its_filters_were_tuned_on():
+    metadata = desk().metadata
+    assert metadata["reporting_runs"] == {"runs": "0 to 7", "sweep_runs": "0 to 1"}
+    assert metadata["tuning_runs"] == {"tuning_runs": "1000 to 1004"}
 
 
 def test_a_result_that_is_not_among_the_needs_is_refused():

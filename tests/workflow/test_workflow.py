@@ -44,8 +44,12 @@ def test_everything_the_registry_promises_is_published(finished):
         "notebooks/toy.ipynb",
     }
     assert names - {"notebooks/overview.ipynb"} == tables | others
-    artefacts = json.loads((finished.folder / "results" / "manifest.json").read_text())["artefacts"]
-    assert {f"results/{name}" for name in artefacts} == {name for name in names if name.endswith(("1.csv", "n.csv", ".png", "s.csv"))}
+    manifest = json.loads((finished.folder / "results" / "manifest.json").read_text())
+    assert {f"results/{name}" for name in manifest["artefacts"]} == {
+        name for name in names if name.endswith(("1.csv", "n.csv", ".png", "s.csv"))
+    }
+    spans = {"reporting_runs": {"toy": {"runs": "0 to 39"}}, "tuning_runs": {"toy": {"tuning_runs": "1000 to 1003"}}}
+    assert manifest["seeds"] == {"seed": 20261124, **spans}
     assert "toy,C1," in (finished.folder / "results" / "claims.csv").read_text()
     complete = json.loads((finished.folder / "build" / "complete.json").read_text())
     assert len(complete) == 2 * 6 + 2  # scenario, variants and studies with two files each, diagnostics, claims

@@ -71,6 +71,10 @@ def load(path, overrides: Mapping | None = None, extra_files: Iterable = ()) -> 
     """
     path = Path(path).absolute()
     root = path.parent.parent
+    for key, paper in all_papers().items():
+        for name in paper.first_runs:
+            require_known(f"robins.papers.{key}", "first_runs", name, {name for sizes in paper.sizes.values() for name in sizes})
+        check_runs(f"robins.papers.{key}", paper, paper.sizes)
     main = read_yaml(path)
     check_layer(path, main, root, complete=True)
     values = main
@@ -183,7 +187,7 @@ def input_error(source, error) -> InputError:
 
 
 def check_names(source, values: Mapping) -> None:
-    """Raise an `InputError` where a layer names a paper, size or option that no wing offers."""
+    """Raise an `InputError` where a layer names a paper, size or option that no wing offers, or a size that no wing can have."""
     known = all_papers()
     papers = values.get("papers", "all")
     for key in [] if papers == "all" else papers:
@@ -194,6 +198,7 @@ def check_names(source, values: Mapping) -> None:
         for ensemble, sizes in by_ensemble.items():
             for name in sizes:
                 require_known(source, f"sizes.{key}.{ensemble}", name, offered)
+        check_runs(source, known[key], by_ensemble)
     for key, options in values.get("options", {}).items():
         require_known(source, "options", key, known)
         for name, value in options.items():
@@ -201,6 +206,17 @@ def check_names(source, values: Mapping) -> None:
             default = known[key].options[name]
             if default is not None and type(value) is not type(default):
                 raise InputError(source, f"options.{key}.{name}", repr(value), f"a value like {default!r}")
+
+
+def check_runs(source, paper: Paper, by_ensemble: Mapping[str, Mapping[str, int]]) -> None:
+    """Raise an `InputError` where runs of one size reach into those of a size that begins later: nothing is reported from tuning runs."""
+    for ensemble, sizes in by_ensemble.items():
+        for name, size in sizes.items():
+            first = paper.first_runs.get(name, 0)
+            later = {begin: other for other, begin in paper.first_runs.items() if begin > first}
+            if later and (name.endswith("runs") or first) and first + size > min(later):
+                expected = f"at most {min(later) - first}: {later[min(later)]} are the runs from {min(later)} on"
+                raise InputError(source, f"sizes.{paper.key}.{ensemble}.{name}", size, expected)
 
 
 def require_known(source, place: str, name, known: Iterable) -> None:

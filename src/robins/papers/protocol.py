@@ -172,6 +172,9 @@ class Assumption:
 class Paper:
     """A paper's wing. See the module's docstring; ``sizes`` are used where the configuration has none.
 
+    ``first_runs`` names the sizes whose runs do not begin with run 0, and where they begin: runs that filters are tuned on
+    and that no result may be reported from. The runs of a size that is not named here are 0 to n - 1.
+
     ``validate(settings)`` raises `robins.foundation.errors.InputError` when the paper's own options are wrong.
     """
 
@@ -190,6 +193,7 @@ class Paper:
     assumptions: tuple[Assumption, ...]
     sizes: Mapping[str, Mapping[str, int]] = field(default_factory=dict)
     options: Mapping = field(default_factory=dict)
+    first_runs: Mapping[str, int] = field(default_factory=dict)
     published: Path | None = None
     notebook: Path | None = None
     validate: Callable[[Settings], object] | None = None

@@ -61,14 +61,15 @@ class Desk:
     @property
     def metadata(self) -> dict:
         """What every output carries: where its random numbers come from and which version made it."""
-        settings = self.settings
-        runs = {name: f"0 to {size - 1}" for name, size in settings.sizes.items() if name.endswith("runs")}
+        settings, first = self.settings, self.paper.first_runs
+        runs = {name: f"{first.get(name, 0)} to {first.get(name, 0) + size - 1}" for name, size in settings.sizes.items()}
         return {
             "paper": self.paper.key,
             "ensemble": settings.ensemble,
             "seed": settings.seed,
             "sizes": dict(settings.sizes),
-            "reporting_runs": runs,
+            "reporting_runs": {name: span for name, span in runs.items() if name.endswith("runs") and name not in first},
+            "tuning_runs": {name: span for name, span in runs.items() if name in first},
             "configuration": configuration.digest(settings),
             "version": robins.__version__,
         }
@@ -191,7 +192,8 @@ def write_manifest(all_desks: list[Desk], records: Iterable) -> None:
     """Collect what the rules noted into the manifest."""
     layout, chosen = all_desks[0].layout, all_desks[0].configuration
     said = {at.paper.key: {"sizes": dict(at.settings.sizes), "options": dict(at.settings.options)} for at in all_desks}
-    seeds = {"seed": chosen.seed, "reporting_runs": {at.paper.key: at.metadata["reporting_runs"] for at in all_desks}}
+    spans = {use: {at.paper.key: at.metadata[use] for at in all_desks} for use in ("reporting_runs", "tuning_runs")}
+    seeds = {"seed": chosen.seed, **spans}
     config = {"ensemble": chosen.ensemble, "seed": chosen.seed, "papers": said}
     manifest.write_manifest(f"{layout.results}/manifest.json", records, layout.root / "requirements.lock", config, seeds)
 

@@ -13,29 +13,41 @@ from robins.papers.protocol import Claim, Column, Figure, Job, Output, Paper, Ta
 
 MODULES = ("toykernel",)
 HERE = Path(__file__).parent
+FIRST_TUNING_RUN = 1000
+
+
+def reported(settings):
+    """The runs that results are reported from."""
+    return range(settings.sizes["runs"])
+
+
+def held_back(settings):
+    """The runs that weights are tried on."""
+    return range(FIRST_TUNING_RUN, FIRST_TUNING_RUN + settings.sizes["tuning_runs"])
 
 
 def constant(settings):
     """The scenario: run 0 and its residuals."""
-    first = readings(settings)[0]
+    first = readings(settings, [0])[0]
     arrays = {"residual.gauge": first - settings.options["level"], "sd.gauge": np.array([1.0])}
     return Output(pd.DataFrame({"reading": first}), arrays)
 
 
 def variant(name, weight):
     """One row of the registry."""
-    return Job(name, name, lambda settings: Output(errors(settings, weight)), MODULES, {"weight": weight}, "classical")
+    return Job(name, name, lambda settings: Output(errors(settings, weight, reported(settings))), MODULES, {"weight": weight}, "classical")
 
 
 def tuning(settings, weights):
     """A study: how wrong the mean is with each of these weights."""
-    return Output(pd.DataFrame({"weight": weights, "error": [errors(settings, weight)["error"].mean() for weight in weights]}))
+    tried = [errors(settings, weight, held_back(settings))["error"].mean() for weight in weights]
+    return Output(pd.DataFrame({"weight": weights, "error": tried}))
 
 
 def tuned(settings, results):
     """A variant with the best of the weights that have been tried."""
     tried = results.table("tuning")
-    return Output(errors(settings, tried["weight"][tried["error"].idxmin()]))
+    return Output(errors(settings, tried["weight"][tried["error"].idxmin()], reported(settings)))
 
 
 def theory(settings):
@@ -105,7 +117,8 @@ PAPER = Paper(
     claims=(Claim("C1", "Halving the mean makes it worse.", judge, ("plain", "shrunk"), MODULES, "runs", 4),),
     equations=(),
     assumptions=(),
-    sizes={name: {"runs": size} for name, size in (("smoke", 8), ("standard", 40), ("full", 80))},
+    sizes={name: {"runs": size, "tuning_runs": 4} for name, size in (("smoke", 8), ("standard", 40), ("full", 80))},
+    first_runs={"tuning_runs": FIRST_TUNING_RUN},
     options={"level": 3.0},
     published=HERE / "toy.csv",
     notebook=HERE / "toy.ipynb",
