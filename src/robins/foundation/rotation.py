@@ -87,7 +87,7 @@ def dcm_exponential(a, scale, out):
     if angle < SMALL_ANGLE:
         first, second = 1.0 - angle * angle / 6.0, 0.5 - angle * angle / 24.0
     else:
-        first, second = math.sin(angle) / angle, (1.0 - math.cos(angle)) / (angle * angle)
+        first, second = math.sin(angle) / angle, 2.0 * (math.sin(0.5 * angle) / angle) ** 2
     _series(a, scale, first, second, out)
 
 
@@ -98,7 +98,7 @@ def right_jacobian(a, scale, out):
     if angle < SMALL_ANGLE:
         first, second = -0.5 + angle * angle / 24.0, 1.0 / 6.0 - angle * angle / 120.0
     else:
-        first = -(1.0 - math.cos(angle)) / (angle * angle)
+        first = -2.0 * (math.sin(0.5 * angle) / angle) ** 2  # -(1 - cos) / angle^2 without its cancellation
         second = (angle - math.sin(angle)) / (angle * angle * angle)
     _series(a, scale, first, second, out)
 
@@ -136,9 +136,7 @@ def euler_rates(euler: np.ndarray, rate_b: np.ndarray) -> np.ndarray:
     roll, pitch = euler[..., 0], euler[..., 1]
     p, q, r = np.moveaxis(rate_b, -1, 0)
     transverse = q * np.sin(roll) + r * np.cos(roll)
-    return np.stack(
-        [p + transverse * np.tan(pitch), q * np.cos(roll) - r * np.sin(roll), transverse / np.cos(pitch)], axis=-1
-    )
+    return np.stack([p + transverse * np.tan(pitch), q * np.cos(roll) - r * np.sin(roll), transverse / np.cos(pitch)], axis=-1)
 
 
 def body_rates(euler: np.ndarray, rates: np.ndarray) -> np.ndarray:
