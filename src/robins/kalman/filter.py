@@ -158,18 +158,23 @@ def run_filter(predictor, model, sensor, weighting, x0, P0, controls, measuremen
     ------
     ValueError
         The delayed estimate, or an iterated weighting, is asked for although a cross-covariance is not zero (its gain would be
-        another); an iterated weighting although a part of the noise is fixed; or the error and the state differ in length where
-        the delayed estimate or sigma points need them equal.
+        another); the delayed estimate although weights are iterated or act on the gain (likewise); an iterated weighting although
+        a part of the noise is fixed; the error and the state differ in length where the delayed estimate or sigma points need them
+        equal; or controls of each run are of another number of runs.
     """
     iteration = getattr(weighting, "iteration", ONCE)
     correlated = np.any(sensor.C_update) or np.any(sensor.C_predict)
     if delayed and correlated:
         raise ValueError("the delayed estimate needs zero cross-covariances")
+    if delayed and (iteration.limit > 0 or getattr(weighting, "on_gain", False)):
+        raise ValueError("the delayed estimate needs weights that act on the noise, once")
     if iteration.limit > 0 and (correlated or np.any(sensor.R_fixed)):
         raise ValueError("iterated weights need zero cross-covariances and no fixed part of the noise")
     if x0.shape[1] != P0.shape[0] and (delayed or isinstance(predictor, Ukf)):
         raise ValueError("the delayed estimate and sigma points need a state that is as long as its error")
     controls = controls if controls.ndim == 3 else controls[None]
+    if controls.shape[0] not in (1, len(measurements)):
+        raise ValueError(f"there are controls of {controls.shape[0]} runs and measurements of {len(measurements)}")
     return filter_records(
         predictor, model, sensor, weighting, x0, P0, controls, measurements, valid, states, delayed, np.array(marks, dtype=np.int64)
     )

@@ -24,7 +24,7 @@ from robins.kalman.update import correction, joseph
 from robins.kalman.weights import weigh
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def floored_weights(weighting, parameters, residual, zeros, unit, memory, epoch, weights):
     """The weights of whitened residuals, none below the iteration's floor; one where `parameters` are empty."""
     weights[:] = 1.0
@@ -34,7 +34,7 @@ def floored_weights(weighting, parameters, residual, zeros, unit, memory, epoch,
             weights[i] = max(weights[i], weighting.iteration.floor)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def innovation_factor(U, prior_weights, root, noise_weights, L):
     """Lower Cholesky factor of ``U diag(1/w_p) U^T + B_r diag(1/w_r) B_r^T`` into `L`; False when it has none."""
     m, n = U.shape
@@ -49,7 +49,7 @@ def innovation_factor(U, prior_weights, root, noise_weights, L):
     return cholesky(L, L)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def whitened_correction(U, prior_weights, L, innovation, solution, s):
     """``s = diag(1/w_p) U^T S^-1 Delta`` for ``S = L L^T``; `solution` ``(1, m)`` is scratch."""
     m, n = U.shape
@@ -63,7 +63,7 @@ def whitened_correction(U, prior_weights, L, innovation, solution, s):
         s[k] = total / prior_weights[k]
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def has_settled(s, before, tolerance):
     """Whether the correction changed by at most `tolerance` of its length."""
     change, length = 0.0, 0.0
@@ -73,12 +73,12 @@ def has_settled(s, before, tolerance):
     return change <= tolerance * tolerance * length
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def update_iterated(weighting, P, innovation, H, R, C, memory, epoch, weights, work):
     """Update `P` in place; leaves the correction of the state in ``work.shift``, the gain in ``work.K``, the weights in `weights`.
 
     Arguments and result as in `robins.kalman.update.update_error`; ``work.S``, ``work.L`` and the NIS are those of the nominal
-    noise. False weights, a covariance without Cholesky factor and a correction that is not finite give NaN.
+    noise. A weight of zero, a covariance without Cholesky factor and an innovation that is not finite give NaN.
     """
     m, n = H.shape
     root, noise_root, L = np.empty((n, n)), np.empty((m, m)), np.empty((m, m))
@@ -126,7 +126,7 @@ def update_iterated(weighting, P, innovation, H, R, C, memory, epoch, weights, w
     return nis
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def iterated_gain(U, prior_weights, root, L, scaled, K):
     """``K = B_p diag(1/w_p) U^T S^-1``; `scaled` ``(n, m)`` is scratch."""
     m, n = U.shape

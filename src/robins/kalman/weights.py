@@ -44,7 +44,7 @@ class Iteration(NamedTuple):
     tolerance : float
         Relative change of the whitened correction at which it stops before.
     floor : float
-        The smallest weight.
+        The smallest weight; an update fails where a weight is zero all the same.
     warm : bool
         Whether to start at the least-squares solution; at the prior otherwise.
     prior : ndarray, shape (p,)

@@ -250,6 +250,7 @@ def motion_jacobian(model, G):
 def state_jacobian(model, x, F):
     """Columns of velocity and attitude of F."""
     s, dt, earth = model.scratch, model.dt, model.earth
+    multiply(s.C, s.B, s.J)  # attitude at the end: an error of omega_in appears in its body axes
     a, b, c = coriolis_rate(earth, x, 0), coriolis_rate(earth, x, 1), coriolis_rate(earth, x, 2)
     F[V, V + 1], F[V, V + 2] = dt * c, -dt * b
     F[V + 1, V], F[V + 1, V + 2] = -dt * c, dt * a
@@ -266,7 +267,7 @@ def state_jacobian(model, x, F):
                 total += s.CS[i, k] * s.B[j, k]
                 turned += s.B[k, i] * s.B[j, k]
                 if not model.augmented:
-                    transported += s.C[k, i] * earth.transport[k, j]
+                    transported += s.J[k, i] * earth.transport[k, j]
             F[V + i, THETA + j] = total
             F[THETA + i, THETA + j] = turned
             F[THETA + i, V + j] = -dt * transported
