@@ -177,7 +177,7 @@ def test_after_the_correction_the_statistic_is_at_its_threshold_and_as_printed_a
 
 @given(SEEDS)
 def test_with_correlated_channels_the_correction_of_one_sequential_channel_leaves_it_below_the_threshold(random_covariance, seed):
-    """The last channel re-weighted alone: its increment falls to ``L_ii^2 rho / (L_ii^2 + (rho - 1) S_ii)`` of the threshold, at most one."""
+    """The last channel re-weighted alone: of the threshold it has ``L_ii^2 rho / (L_ii^2 + (rho - 1) S_ii)``, at most one."""
     innovation, predicted, R = make(seed, random_covariance, 3)
     R = np.diag(np.diag(R))
     innovation[2] += 30.0
