@@ -207,9 +207,8 @@ def test_quaternion_kinematics_and_euler_rates_describe_one_motion():
         derivative = filled(quaternion_product, state[:4], np.array([0.0, *(0.5 * omega(t))]), shape=4)
         return np.concatenate([derivative, euler_rates(state[4:], omega(t))])
 
-    end = solve_ivp(both, (0.0, 10.0), np.concatenate([quaternion_of_euler(start), start]), method="DOP853", rtol=1e-12, atol=1e-13).y[
-        :, -1
-    ]
+    y0 = np.concatenate([quaternion_of_euler(start), start])
+    end = solve_ivp(both, (0.0, 10.0), y0, method="DOP853", rtol=1e-12, atol=1e-13).y[:, -1]
     assert np.abs(end[5]) < 1.2  # away from the vertical
     np.testing.assert_allclose(euler_of_quaternion(end[:4]), wrapped(end[4:]), rtol=0, atol=1e-10)
 
