@@ -46,11 +46,12 @@ STATES_KEPT = 22
 
 
 class Case(NamedTuple):
-    """What is measured: the sensors, their rate, and the seed of the streams."""
+    """What is measured: the seed of the streams, the sensors' rate, the sensors, and whether the car comes back in reverse gear."""
 
     seed: int
     rate_hz: int
     sensors: Sensors
+    reversing: bool = False
 
     @property
     def scenario(self) -> str:
@@ -60,7 +61,7 @@ class Case(NamedTuple):
     @property
     def driven(self) -> Drive:
         """The truth."""
-        return driven(self.rate_hz)
+        return driven(self.rate_hz, self.reversing)
 
 
 driven = cache(driving.drive)
@@ -123,13 +124,15 @@ def method_of(composition: Mapping, settings: Settings, results: Results | None,
     return method
 
 
-def scores(case: Case, runs: Sequence[int], methods: Mapping[str, Method], name: str = "F1") -> pd.DataFrame:
+def scores(case: Case, runs: Sequence[int], methods: Mapping[str, Method], name: str = "F1", **more) -> pd.DataFrame:
     """Errors against the truth of several filters on the same samples: a row for each filter, run and channel.
+
+    `more` goes to `robins.papers.imani2026.formulations.formulation`.
 
     Columns filter, run, channel, rmse, mean, drift (SI; NaN where the run failed), failed, reason.
     """
     truth, dt = driving.truth(case.driven), 1.0 / case.rate_hz
-    forms = {key: build(name, method, case) for key, method in methods.items()}
+    forms = {key: build(name, method, case, **more) for key, method in methods.items()}
     frames = []
     for batch, measured in batches(case, runs):
         for key, method in methods.items():

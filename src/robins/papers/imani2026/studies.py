@@ -15,6 +15,7 @@ from robins.kalman.m_estimators import correntropy
 from robins.kalman.weights import weighting
 from robins.papers.imani2026.ensemble import Case, frozen, headline, scores
 from robins.papers.imani2026.methods import (
+    LI,
     NORMAL_GATE,
     SWEPT,
     Method,
@@ -137,6 +138,7 @@ def rates(settings: Settings, results: Results) -> Output:
 
 
 FULL_BETAS, FULL_LOWER, FULL_UPPER = (0.90, 0.95, 0.99), (0.5, 1.0, 1.5, 2.5), (2.0, 3.0, 6.0, np.inf)
+FIXED_POINT_WIDTHS = (1.5, 3.0, 6.0)
 KERNEL_NUMBERS = (1, 2, 3, 4, 5)
 WIDTHS_OF_NUMBER = {1: (3.0,), 2: (1.5, 8.0), 3: (1.5, 3.0, 8.0), 4: (1.0, 2.0, 4.0, 8.0), 5: (1.0, 1.5, 3.0, 5.0, 8.0)}
 """Widths of kernels of equal weight, in innovation standard deviations (ours)."""
@@ -159,6 +161,20 @@ def grid_methods(settings: Settings) -> dict[tuple[str, str], Method]:
     for number in KERNEL_NUMBERS:
         method = correntropy(WIDTHS_OF_NUMBER[number], np.full(number, 1.0 / number))
         methods["mk-norm-gain", f"{number} kernels"] = Method(method._replace(on_gain=True))
+    if settings.ensemble == "full":
+        methods |= fixed_point_methods()
+    return methods
+
+
+def fixed_point_methods() -> dict[tuple[str, str], Method]:
+    """Li et al.'s iteration over the widths of measurement and prior, from the prior and from the least-squares solution."""
+    methods = {}
+    for width in FIXED_POINT_WIDTHS:
+        for prior in (*FIXED_POINT_WIDTHS, np.inf):
+            for warm in (False, True):
+                iteration = LI._replace(warm=warm, prior=correntropy([prior], [1.0]).parameters)
+                method = correntropy([width], [1.0])._replace(iteration=iteration)
+                methods["mk-li", f"width {width:g}, prior {prior:g}, {'warm' if warm else 'cold'}"] = Method(method)
     return methods
 
 

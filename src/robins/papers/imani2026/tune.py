@@ -80,7 +80,7 @@ def search(family: str, settings: Settings, condition: str) -> pd.DataFrame:
 
 
 def tune(settings: Settings, family: str) -> Output:
-    """Both conditions of one family; the table has the columns condition, noise_scale, parameter, value, stage, objective, failed, chosen."""
+    """Both conditions of one family: columns condition, noise_scale, parameter, value, stage, objective, failed, chosen."""
     table = pd.concat([search(family, settings, condition) for condition in CONDITIONS], ignore_index=True)
     return Output(table[["condition", "noise_scale", "parameter", "value", "stage", "objective", "failed", "chosen"]])
 
