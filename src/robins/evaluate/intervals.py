@@ -236,3 +236,156 @@ def with_losses(logs: np.ndarray, lost: np.ndarray, won: np.ndarray) -> np.ndarr
     only_numerator, only_denominator = np.sum(lost & ~won), np.sum(won & ~lost)
     neither = np.sum(lost & won)
     return np.concatenate([logs, np.full(only_numerator, worst), np.full(only_denominator, best), np.zeros(neither)])
+
+
+class Level(NamedTuple):
+    """An ensemble value of one filter's error, with its 95 % percentile bootstrap interval.
+
+    Attributes
+    ----------
+    estimate, low, high : float or ndarray
+        Over the surviving runs; NaN where there is none, (0, inf) with fewer than two.
+    n, failed : int
+        All runs, and those that failed.
+    median : float or ndarray
+        Median of the absolute error over all runs, a failed run's being infinite.
+    """
+
+    estimate: float | np.ndarray
+    low: float | np.ndarray
+    high: float | np.ndarray
+    n: int
+    failed: int
+    median: float | np.ndarray
+
+
+class Improvement(NamedTuple):
+    """By how much a filter's ensemble error (numerator) is smaller than another's: ``1 - numerator / denominator``, a fraction.
+
+    Attributes
+    ----------
+    estimate, low, high : float or ndarray
+        With the 95 % percentile bootstrap interval over paired runs, failed runs counted as losses (`with_stand_ins`); NaN where
+        no run survives in both filters, an infinite interval with fewer than two.
+    p : float or ndarray
+        Two-sided bootstrap p value of no improvement.
+    n : int
+        All runs, failed or not.
+    numerator_failed, denominator_failed, survivors : int
+        Runs that failed in either filter, and that survive in both.
+    """
+
+    estimate: float | np.ndarray
+    low: float | np.ndarray
+    high: float | np.ndarray
+    p: float | np.ndarray
+    n: int
+    numerator_failed: int
+    denominator_failed: int
+    survivors: int
+
+
+def multiplicities(generator: np.random.Generator, runs: int, resamples: int) -> np.ndarray:
+    """How often each run stands in each bootstrap resample, shape (resamples, runs); the rows sum to `runs`."""
+    drawn = generator.integers(0, runs, (resamples, runs)) + runs * np.arange(resamples)[:, None]
+    return np.bincount(drawn.ravel(), minlength=resamples * runs).reshape(resamples, runs).astype(float)
+
+
+def ensemble_value(values: np.ndarray, power: int) -> np.ndarray:
+    """Mean of the absolute values over the runs (`power` 1) or their root mean square (2); `values` of shape (runs, channels)."""
+    return np.mean(np.abs(values) ** power, axis=0) ** (1.0 / power)
+
+
+def ensemble_level(values: np.ndarray, failed: np.ndarray, power: int, generator: np.random.Generator, resamples: int) -> Level:
+    """Ensemble value of each channel with its bootstrap interval.
+
+    Parameters
+    ----------
+    values : ndarray, shape (runs, channels)
+        Errors; anything in a run that failed.
+    failed : ndarray of bool, shape (runs,)
+    power : {1, 2}
+        See `ensemble_value`.
+    """
+    kept = np.abs(values[~failed])
+    channels = values.shape[1]
+    median = np.median(np.where(failed[:, None], np.inf, np.abs(values)), axis=0)
+    low, high = np.zeros(channels), np.full(channels, np.inf)
+    if len(kept) == 0:
+        return Level(np.full(channels, np.nan), low, high, len(values), int(failed.sum()), median)
+    if len(kept) > 1:
+        counts = multiplicities(generator, len(kept), resamples)
+        low, high = np.quantile((counts @ kept**power / len(kept)) ** (1.0 / power), [(1 - LEVEL) / 2, (1 + LEVEL) / 2], axis=0)
+    return Level(ensemble_value(kept, power), low, high, len(values), int(failed.sum()), median)
+
+
+def ensemble_improvement(
+    numerator: np.ndarray,
+    denominator: np.ndarray,
+    numerator_failed: np.ndarray,
+    denominator_failed: np.ndarray,
+    power: int,
+    counts: np.ndarray,
+) -> Improvement:
+    """`Improvement` of each channel from paired runs: one minus a ratio of ensemble values, not a mean of single-run ratios.
+
+    The p value is ``2 (1 + c) / (B + 1)``, at most 1, with c the smaller of the numbers of resamples at or below, and at or above,
+    no improvement. Log ratios are rounded to ten decimals first, for the reason given at `rounded_mean`.
+
+    Parameters
+    ----------
+    numerator, denominator : ndarray, shape (runs, channels)
+        Errors of either sign, the same runs in both; anything in a run that failed.
+    numerator_failed, denominator_failed : ndarray of bool, shape (runs,)
+    power : {1, 2}
+        See `ensemble_value`.
+    counts : ndarray, shape (resamples, runs)
+        From `multiplicities`. One matrix may serve every channel and measure of a pair.
+
+    Raises
+    ------
+    ValueError
+        A run that is not marked as failed has an error that is zero or not finite.
+    """
+    n, channels = numerator.shape
+    both = ~(numerator_failed | denominator_failed)
+    tally = n, int(numerator_failed.sum()), int(denominator_failed.sum()), int(both.sum())
+    unknown = np.full(channels, np.nan)
+    if not both.any():
+        return Improvement(unknown, np.full(channels, -np.inf), np.full(channels, np.inf), np.ones(channels), *tally)
+    above, below = with_stand_ins(np.abs(numerator), np.abs(denominator), numerator_failed, denominator_failed, power)
+    logs = np.round(np.log(np.mean(above**power, axis=0) / np.mean(below**power, axis=0)) / power, 10)
+    estimate = -np.expm1(logs) + 0.0
+    if tally[-1] < 2:
+        return Improvement(estimate, np.full(channels, -np.inf), np.full(channels, np.inf), np.ones(channels), *tally)
+    resampled = np.round(np.log((counts @ above**power) / (counts @ below**power)) / power, 10)
+    low, high = np.quantile(-np.expm1(resampled) + 0.0, [(1 - LEVEL) / 2, (1 + LEVEL) / 2], axis=0)
+    rarer = np.minimum(np.sum(resampled <= 0, axis=0), np.sum(resampled >= 0, axis=0))
+    return Improvement(estimate, low, high, np.minimum(1.0, 2 * (1 + rarer) / (len(counts) + 1)), *tally)
+
+
+def with_stand_ins(numerator: np.ndarray, denominator: np.ndarray, lost: np.ndarray, won: np.ndarray, power: int):
+    """Absolute errors, shape (runs, channels) each, with values in place of those of failed runs.
+
+    A failed run's true error is infinite, which no mean survives. In its place stands the other filter's error in that run times
+    the worst ratio that a survivor shows for the filter that failed, at least 1. Where both failed, both have the denominator's
+    ensemble value: that run is won by neither. At least one run survives in both.
+    """
+    both = ~(lost | won)
+    errors = np.concatenate([numerator[~lost], denominator[~won]])
+    if not (np.isfinite(errors) & (errors > 0)).all():
+        raise ValueError("a run that is not marked as failed has an error that is zero or not finite")
+    ratios = numerator[both] / denominator[both]
+    common = ensemble_value(denominator[both], power)
+    above, below = numerator.copy(), denominator.copy()
+    above[lost & ~won] = denominator[lost & ~won] * np.maximum(ratios.max(axis=0), 1.0)
+    below[won & ~lost] = numerator[won & ~lost] / np.minimum(ratios.min(axis=0), 1.0)
+    above[lost & won] = below[lost & won] = common
+    return above, below
+
+
+def holm(p_values) -> np.ndarray:
+    """Holm's step-down adjusted p values of one family, shape (tests,)."""
+    from statsmodels.stats.multitest import multipletests  # takes seconds to import
+
+    return multipletests(np.asarray(p_values, float), method="holm")[1]
