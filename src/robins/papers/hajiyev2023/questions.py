@@ -12,10 +12,11 @@ import pandas as pd
 from robins.evaluate.intervals import TIE, log_interval
 from robins.evaluate.verdicts import side_of_one
 from robins.navigation.aircraft import STATES
+from robins.papers.columns import counts, keys, make, texts
 from robins.papers.hajiyev2023.comparisons import ADAPTED, AMDKF, FAULTY, LATERAL, MDKF, Pair, ratio, scores
 from robins.papers.hajiyev2023.scenario import BRANCHES
 from robins.papers.hajiyev2023.studies import PLAIN
-from robins.papers.hajiyev2023.table_parts import SUBSTITUTE, counts, keys, make, texts
+from robins.papers.hajiyev2023.table_parts import SUBSTITUTE
 from robins.papers.hajiyev2023.tables_errors import LAGGED, lagged
 from robins.papers.hajiyev2023.tables_study import healthy_scale, specification_logs
 from robins.papers.protocol import Results, Table

@@ -5,6 +5,7 @@ import pandas as pd
 
 from robins.evaluate.intervals import TIE, proportion_interval
 from robins.navigation.aircraft import STATES
+from robins.papers.columns import counts, ends, finite, keys, make, numbers, texts
 from robins.papers.hajiyev2023.comparisons import (
     ADAPTED,
     AMDKF,
@@ -19,20 +20,7 @@ from robins.papers.hajiyev2023.comparisons import (
     unit,
 )
 from robins.papers.hajiyev2023.scenario import BRANCHES
-from robins.papers.hajiyev2023.table_parts import (
-    SUBSTITUTE,
-    counts,
-    ends,
-    finite,
-    keys,
-    level,
-    make,
-    median,
-    numbers,
-    patterns,
-    survivors,
-    texts,
-)
+from robins.papers.hajiyev2023.table_parts import SUBSTITUTE, level, median, patterns, survivors
 from robins.papers.hajiyev2023.variants import VARIANTS
 from robins.papers.protocol import Results, Table
 

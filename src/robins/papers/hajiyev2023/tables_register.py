@@ -5,11 +5,12 @@ import pandas as pd
 
 from robins.evaluate.ledger import OVERALL
 from robins.navigation.aircraft import STATES, continuous_matrices
+from robins.papers.columns import LINEAR, counts, keys, make, numbers, texts
 from robins.papers.hajiyev2023.claims import CLAIMS, RATIO_CLAIMS
 from robins.papers.hajiyev2023.comparisons import published_ratio, unit
 from robins.papers.hajiyev2023.equations import EQUATIONS
 from robins.papers.hajiyev2023.scenario import BRANCHES, baseline, load_plant
-from robins.papers.hajiyev2023.table_parts import LINEAR, SUBSTITUTE, counts, keys, make, numbers, texts
+from robins.papers.hajiyev2023.table_parts import SUBSTITUTE
 from robins.papers.protocol import Results, Table
 
 INPUTS = ("elevator", "aileron", "rudder")

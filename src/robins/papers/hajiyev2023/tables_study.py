@@ -7,21 +7,12 @@ from robins.evaluate.intervals import proportion_interval
 from robins.kalman.filter import schedule
 from robins.kalman.predict import Ekf
 from robins.navigation.aircraft import STATES
+from robins.papers.columns import counts, finite, keys, make, numbers
 from robins.papers.hajiyev2023.claims_theory import moments
 from robins.papers.hajiyev2023.comparisons import AMDKF, MDKF, cases, expected_scale, kinds, matrices, scores
 from robins.papers.hajiyev2023.estimators import printed
 from robins.papers.hajiyev2023.scenario import BRANCHES, STEADY, baseline
-from robins.papers.hajiyev2023.table_parts import (
-    SUBSTITUTE,
-    counts,
-    finite,
-    geometric,
-    keys,
-    level,
-    make,
-    numbers,
-    patterns,
-)
+from robins.papers.hajiyev2023.table_parts import SUBSTITUTE, geometric, level, patterns
 from robins.papers.hajiyev2023.variants import VARIANTS
 from robins.papers.protocol import Results, Table
 
