@@ -69,7 +69,8 @@ def chi_square(
             raise ValueError(f"{name}: {bound:g} is not positive")
     if lower > upper:
         raise ValueError(f"lower: {lower:g} exceeds upper, {upper:g}")
-    constants = (increment, shape, chdtri(1.0, 1.0 - probability), lower, upper, correct)
+    quantile = chdtri(1.0, 1.0 - probability)  # (32), (33), (34) imani2026: one degree of freedom for each channel
+    constants = (increment, shape, quantile, lower, upper, correct)
     return weighting("chi-square", constants, np.zeros((channels, channels + 1)))
 
 
@@ -100,7 +101,7 @@ def chi_square_weights(innovation, predicted, R, parameters, memory, epoch, weig
         factor = factor_of(weights[i] / quantile, shape, parameters[3], parameters[4])
         if parameters[5]:
             factor = corrected(factor, predicted[i, i] + R[i, i], R[i, i])
-        weights[i] = 1.0 / factor
+        weights[i] = 1.0 / factor  # (35a) imani2026
 
 
 @kernel

@@ -199,7 +199,7 @@ def filter_records(predictor, model, sensor, weighting, x0, P0, controls, measur
                 linearise_observation(sensor, x, u[k], work.H)
                 observe(sensor, x, u[k], predicted_z)
                 for i in range(m):
-                    work.innovation[i] = measurements[run, k, i] - predicted_z[i]
+                    work.innovation[i] = measurements[run, k, i] - predicted_z[i]  # (27) imani2026
                 nis = process(weighting, P, sensor, at_update, memory, updates, weights, predicted, work)
                 updates += 1
                 if not np.isnan(nis):

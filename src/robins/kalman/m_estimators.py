@@ -69,7 +69,7 @@ def correntropy(widths, mixing) -> Weighting:
     widths, mixing = widths[mixing > 0.0], mixing[mixing > 0.0]
     narrowest = widths.min()
     # eta / sigma^2 in units of the narrowest kernel: no width, however small or large, overflows
-    shares = mixing * (narrowest / widths) ** 2 if np.isfinite(narrowest) else mixing
+    shares = mixing * (narrowest / widths) ** 2 if np.isfinite(narrowest) else mixing  # (39) imani2026: its derivative
     return weighting("correntropy", np.concatenate([shares, widths]))
 
 

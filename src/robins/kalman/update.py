@@ -263,9 +263,9 @@ def update_error(P, innovation, H, R, R_fixed, C, correlated, weights, work):
     nis = whitened_square(L, white)
     if not np.isfinite(nis):
         return np.nan
-    weighted_gain(L, work.gain_factor, K)
-    correction(K, innovation, weights, work.shift)
-    joseph(P, K, H, R_bar, C, correlated, work)
+    weighted_gain(L, work.gain_factor, K)  # (23), (36) imani2026
+    correction(K, innovation, weights, work.shift)  # (24), (38) imani2026
+    joseph(P, K, H, R_bar, C, correlated, work)  # (25), (37) imani2026
     mark_removed(weights, S, L)
     return nis
 

@@ -36,7 +36,7 @@ from robins.kalman.model import linearise, propagate, retract
 R, V, THETA, BA, BG, XF, XW = 0, 3, 6, 9, 12, 15, 18
 """Where the parts of the error begin."""
 ERRORS, AUGMENTED_ERRORS = 15, 21
-Q0, ACCELEROMETER_BIAS, GYRO_BIAS, FORCE, RATE = 6, 10, 13, 16, 19
+Q0, ACCELEROMETER_BIAS, GYRO_BIAS, FORCE, RATE = 6, 10, 13, 16, 19  # (15) imani2026
 """Where quaternion, biases and transients begin in the state."""
 STATES, AUGMENTED_STATES = 16, 22
 

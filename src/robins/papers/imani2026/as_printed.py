@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
+from robins.foundation.rotation import dcm
 from robins.foundation.smallmat import cholesky, solve_rows
 from robins.kalman.extension import implements
 from robins.kalman.reweighted import process
@@ -104,3 +105,37 @@ def process_printed(method, P, sensor, correlated, memory, epoch, weights, predi
     correction(work.K, work.innovation, unit, work.shift)  # (43) imani2026
     reduce_printed(P, work.K, work.H)
     return nis
+
+
+def printed_jacobian(x: np.ndarray, specific_force, rate) -> np.ndarray:
+    """Equation (21) letter by letter, shape (16, 16), for the additive errors of r, v, q, b_a and b_g.
+
+    A continuous-time Jacobian, whose diagonal is zero, where (20) needs a transition: used there it forgets velocity and biases.
+    Its Coriolis terms have the measured body rate in place of ``2 omega_ie + omega_en``. It is shown, never run.
+
+    Parameters
+    ----------
+    x : ndarray, shape (16,)
+        State of `robins.navigation.strapdown`.
+    specific_force, rate : array_like, shape (3,)
+        The sample u.
+    """
+    (w, *axis), v = x[6:10], x[3:6]
+    force, omega = np.asarray(specific_force) - x[10:13], np.asarray(rate) - x[13:16]
+    C = np.empty((3, 3))
+    dcm(np.ascontiguousarray(x[6:10]), C)
+    rotated = 2.0 * (axis @ force * np.eye(3) + np.outer(axis, force) - np.outer(force, axis) - w * skew(force))
+    product = np.vstack([-np.array(axis), w * np.eye(3) + skew(axis)])  # q [0 omega] = product omega
+    A = np.zeros((16, 16))
+    A[0:3, 3:6] = np.eye(3)
+    A[3:6, 3:6], A[3:6, 13:16] = -2.0 * C @ skew(rate), -2.0 * C @ skew(v)
+    A[3:6, 6:10] = np.column_stack([2.0 * (w * force + np.cross(axis, force)), rotated])
+    A[3:6, 10:13] = -C
+    A[6:10, 6:10] = 0.5 * np.vstack([[0.0, *-omega], np.column_stack([omega, -skew(omega)])])
+    A[6:10, 13:16] = -0.5 * product
+    return A  # (21) imani2026
+
+
+def skew(a) -> np.ndarray:
+    """``[a x]``, shape (3, 3)."""
+    return np.cross(np.eye(3), np.asarray(a, float))

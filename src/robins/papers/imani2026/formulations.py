@@ -60,7 +60,7 @@ def process_noise(name: str, dt: float) -> np.ndarray:
         scale = (1.0, 1.0) if name == "printed" else (dt**2, dt)
         angle = 2.0 * n["quaternion"]  # an error of q is half the angle
         variances = n["velocity"] ** 2 * scale[0], *(sd**2 * scale[1] for sd in (angle, n["accelerometer_bias"], n["gyro_bias"]))
-    return np.repeat([0.0, *variances], 3)
+    return np.repeat([0.0, *variances], 3)  # (10), (11) imani2026: the Gaussian part; the other is the sensors'
 
 
 def transient_noise(dt: float) -> np.ndarray:
