@@ -42,7 +42,6 @@ BATCH = 40_000
 MARK_SPACING = 30
 """Seconds between the epochs whose whole covariance is kept for NEES."""
 QUANTILES = (0.05, 0.5, 0.95)
-STATES_KEPT = 22
 
 
 class Case(NamedTuple):
@@ -96,7 +95,7 @@ def run(form: Formulation, method: Method, case: Case, measured: Measurements, m
     valid[0] = False
     x0 = initial_states(form.name, case.driven, measured)
     return run_filter(
-        Ekf(), form.model, form.sensor, method.weighting, x0, form.P0, controls(form.name, measured), z, valid, STATES_KEPT, False, marks
+        Ekf(), form.model, form.sensor, method.weighting, x0, form.P0, controls(form.name, measured), z, valid, x0.shape[1], False, marks
     )
 
 
