@@ -1,4 +1,4 @@
-"""The linear model and sensor, inside and outside compiled code."""
+"""The linear model and sensor, inside and outside compiled code; and a model whose state is not a vector, in a filter."""
 
 from typing import NamedTuple
 
@@ -7,7 +7,12 @@ import pytest
 from numba import njit
 from numba.core.errors import TypingError
 
-from robins.kalman.model import linear_sensor, linearise, linearise_observation, observe, propagate
+from robins.kalman.extension import implements
+from robins.kalman.filter import run_filter
+from robins.kalman.model import linear_sensor, linearise, linearise_observation, observe, propagate, retract
+from robins.kalman.predict import Ekf, Ukf
+from robins.kalman.reweighted import process
+from robins.kalman.update import update_error
 
 
 class Nothing(NamedTuple):
@@ -67,3 +72,121 @@ def test_a_missing_kernel_is_told_by_the_compiler_too():
 
     with pytest.raises(TypingError, match="Nothing has no kernel for propagate"):
         compiled(Nothing(1.0), np.zeros(1))
+
+
+@pytest.mark.parametrize("compiled", [False, True], ids=["in python", "compiled"])
+def test_an_error_is_added_where_the_model_does_not_say_otherwise(problem, compiled):
+    apply = njit(lambda model, x, error: retract(model, x, error)) if compiled else retract
+    x = np.array([1.0, 2.0, 3.0, 4.0])
+    apply(problem(1).model, x, np.array([0.5, -2.0, 0.0, 1.0]))
+    np.testing.assert_array_equal(x, [1.5, 0.0, 3.0, 5.0])
+
+
+# A state on the circle: two numbers, (cos, sin) of an angle, with an error of one.
+
+
+class Circle(NamedTuple):
+    """The angle grows by the input."""
+
+    q: float
+
+
+class Compass(NamedTuple):
+    """Measures both numbers; noise as in `robins.kalman.model.Sensor`."""
+
+    R: np.ndarray
+    R_fixed: np.ndarray
+    C_update: np.ndarray
+    C_predict: np.ndarray
+
+
+class Plain(NamedTuple):
+    """A weighting with an update of its own: the plain one. It keeps every weight of the package out of the compilation."""
+
+    memory: np.ndarray
+
+
+COMPASS = Compass(np.diag([0.02, 0.05]), np.zeros((2, 2)), np.zeros((1, 2)), np.zeros((1, 2)))
+PLAIN = Plain(np.zeros((1, 1)))
+RUNS, EPOCHS, Q, P0 = 3, 40, 1e-3, 0.09
+
+
+@pytest.fixture(scope="module")
+def circle(registry):
+    @njit
+    def turn(x, angle):
+        c, s = np.cos(angle), np.sin(angle)
+        x[0], x[1] = c * x[0] - s * x[1], s * x[0] + c * x[1]
+
+    @implements(propagate, Circle)
+    @njit
+    def propagate_circle(model, x, u):
+        turn(x, u[0])
+
+    @implements(retract, Circle)
+    @njit
+    def retract_circle(model, x, error):
+        turn(x, error[0])
+
+    @implements(linearise, Circle)
+    @njit
+    def linearise_circle(model, x, u, F, Q):
+        F[0, 0], Q[0, 0] = 1.0, model.q
+
+    @implements(observe, Compass)
+    @njit
+    def observe_compass(sensor, x, u, z):
+        z[0], z[1] = x[0], x[1]
+
+    @implements(linearise_observation, Compass)
+    @njit
+    def linearise_compass(sensor, x, u, H):
+        H[0, 0], H[1, 0] = -x[1], x[0]
+
+    @implements(process, Plain)
+    @njit
+    def process_plain(weighting, P, sensor, correlated, memory, epoch, weights, predicted, work):
+        weights[:] = 1.0
+        return update_error(P, work.innovation, work.H, sensor.R, sensor.R_fixed, sensor.C_update, correlated, weights, work)
+
+    return Circle(Q)
+
+
+def circle_case(seed=1):
+    """Initial states, controls of each run, measurements; and the angles that the runs begin with."""
+    rng = np.random.default_rng(seed)
+    start = rng.uniform(-3.0, 3.0, RUNS)
+    controls, measurements = 0.3 * rng.normal(size=(RUNS, EPOCHS, 1)), rng.normal(size=(RUNS, EPOCHS, 2))
+    return np.stack([np.cos(start), np.sin(start)], axis=1), controls, measurements, start
+
+
+def test_a_filter_over_errors_is_the_textbook_filter_of_the_angle(circle):
+    """Independent: the extended Kalman filter whose state is the angle; every run with its own controls."""
+    x0, controls, measurements, start = circle_case()
+    valid, marks = np.arange(EPOCHS) % 7 != 3, (0, 10, EPOCHS - 1)
+    record = run_filter(Ekf(), circle, COMPASS, PLAIN, x0, np.array([[P0]]), controls, measurements, valid, 2, False, marks)
+    assert record.posterior.shape == (RUNS, EPOCHS, 2) and record.posterior_variance.shape == (RUNS, EPOCHS, 1)
+    assert record.covariance.shape == (RUNS, 3, 1, 1) and np.all(record.failed == -1)
+    for run in range(RUNS):
+        angle, P = start[run], P0
+        for k in range(EPOCHS):
+            np.testing.assert_allclose(record.prior[run, k], [np.cos(angle), np.sin(angle)], rtol=0, atol=1e-11)
+            assert record.prior_variance[run, k, 0] == pytest.approx(P, rel=1e-10)
+            if valid[k]:
+                H = np.array([-np.sin(angle), np.cos(angle)])
+                gain = P * H @ np.linalg.inv(P * np.outer(H, H) + COMPASS.R)
+                angle += gain @ (measurements[run, k] - [np.cos(angle), np.sin(angle)])
+                P -= P * gain @ H
+            np.testing.assert_allclose(record.posterior[run, k], [np.cos(angle), np.sin(angle)], rtol=0, atol=1e-11)
+            assert record.posterior_variance[run, k, 0] == pytest.approx(P, rel=1e-10)
+            if k in marks:
+                assert record.covariance[run, marks.index(k), 0, 0] == record.posterior_variance[run, k, 0]
+            angle, P = angle + controls[run, k, 0], P + Q
+    np.testing.assert_allclose(np.linalg.norm(record.posterior, axis=2), 1.0, rtol=0, atol=1e-14)
+
+
+@pytest.mark.parametrize(("predictor", "delayed"), [(Ekf(), True), (Ukf(), False)], ids=["delayed estimate", "sigma points"])
+def test_what_needs_a_state_as_long_as_its_error_says_so(predictor, delayed):
+    x0, controls, measurements, _ = circle_case()
+    with pytest.raises(ValueError, match="need a state that is as long as its error"):
+        run_filter(predictor, Circle(Q), COMPASS, PLAIN, x0, np.eye(1), controls, measurements, np.ones(EPOCHS, bool), 2, delayed)

@@ -6,7 +6,7 @@ import scipy.linalg
 from hypothesis import given
 from hypothesis import strategies as st
 
-from robins.kalman.update import innovation_covariance, joseph, update, weighted_noise, workspace
+from robins.kalman.update import innovation_covariance, joseph, update, update_error, weighted_noise, workspace
 
 SEEDS = st.integers(0, 2**32 - 1)
 DIMENSIONS = st.tuples(st.integers(1, 8), st.integers(1, 5))
@@ -106,6 +106,68 @@ def test_the_joseph_form_is_a_covariance_for_any_gain(seed, dimensions, size):
     np.testing.assert_allclose(P / scale, expected / scale, rtol=0, atol=1e-12)
     np.testing.assert_array_equal(P, P.T)
     assert np.linalg.eigvalsh(P).min() > -1e-12 * scale
+
+
+@given(SEEDS, DIMENSIONS, st.booleans(), st.booleans())
+def test_the_joseph_form_is_the_triple_product_to_rounding(seed, dimensions, correlated, best):
+    """In any order of the products, for the best gain and for any; states in units nine decades apart, against extended precision."""
+    n, m = dimensions
+    case = Case(seed, n, m, correlated=correlated)
+    units = 10.0 ** case.rng.uniform(-6.0, 3.0, n)
+    P, C, H = np.outer(units, units) * case.P, units[:, None] * case.C, case.H / units
+    S = H @ P @ H.T + case.R + H @ C + C.T @ H.T
+    K = (P @ H.T + C) @ np.linalg.inv(S) if best else units[:, None] * case.rng.normal(size=(n, m))
+    out = P.copy()
+    joseph(out, K, H, case.R, C, correlated, workspace(n, m))
+    exact = [M.astype(np.longdouble) for M in (P, C, H, case.R, K)]
+
+    def triple(P, C, H, R, K, A):
+        return A @ P @ A.T + K @ R @ K.T, A @ C @ K.T + K @ C.T @ A.T
+
+    A = np.eye(n) - exact[4] @ exact[2]
+    squares, cross = triple(*exact, A)
+    magnitude = sum(triple(*(np.abs(M) for M in exact), np.eye(n) + np.abs(exact[4]) @ np.abs(exact[2])))
+    assert np.all(np.abs(out - (squares - cross)) <= 1e-15 * (n + m) * magnitude)
+
+
+@given(SEEDS, DIMENSIONS, st.booleans())
+def test_a_gain_factor_multiplies_the_columns_of_the_plain_gain(seed, dimensions, correlated):
+    """Correction and covariance are those of the gain K W; S and the NIS are those of the plain update."""
+    n, m = dimensions
+    case, work = Case(seed, n, m, correlated=correlated), workspace(n, m)
+    work.gain_factor[:] = case.rng.uniform(0.0, 1.8, m)
+    P = case.P.copy()
+    nis = update_error(P, case.innovation, case.H, case.R, case.R_fixed, case.C, correlated, case.weights, work)
+    _, _, expected_nis, K, S = case.textbook()
+    K = K * work.gain_factor
+    transfer = np.block([np.eye(n) - K @ case.H, -K])
+    assert_close(P, transfer @ np.block([[case.P, case.C], [case.C.T, case.R]]) @ transfer.T)
+    assert_close(work.shift, K @ case.innovation)
+    assert_close(work.K, K)
+    assert_close(work.S, S)
+    assert_close(nis, expected_nis)
+
+
+@pytest.mark.parametrize(("factor", "variance"), [(0.25, 0.7083), (1.0, 0.3333), (1.6, 0.5733)])
+def test_the_covariance_of_a_weighted_gain_is_the_spread_of_the_errors(factor, variance):
+    """A9: one state, P = 1, R = 0.5; analytic, P (1 - kappa w (2 - w)), and by two million draws."""
+    P, work, one, zero = np.eye(1), workspace(1, 1), np.eye(1), np.zeros((1, 1))
+    work.gain_factor[0] = factor
+    update_error(P, np.ones(1), one, 0.5 * one, zero, zero, False, np.ones(1), work)
+    assert P[0, 0] == pytest.approx(1.0 - factor * (2.0 - factor) * 2.0 / 3.0, rel=1e-14) == pytest.approx(variance, abs=5e-5)
+    error, noise = np.random.default_rng(9).standard_normal((2, 2_000_000)) * [[1.0], [np.sqrt(0.5)]]
+    left = error - work.K[0, 0] * (error + noise)
+    assert np.var(left) == pytest.approx(variance, abs=2e-3)
+
+
+def test_the_update_of_an_error_leaves_the_correction_and_no_state():
+    case = Case(5, 4, 3)
+    x, P, nis, work = case.update()
+    other, error_P = workspace(4, 3), case.P.copy()
+    assert nis == update_error(error_P, case.innovation, case.H, case.R, case.R_fixed, case.C, False, case.weights, other)
+    np.testing.assert_array_equal(case.x + other.shift, x)
+    np.testing.assert_array_equal(error_P, P)
+    np.testing.assert_array_equal(workspace(4, 3).gain_factor, 1.0)
 
 
 @given(SEEDS, DIMENSIONS, st.booleans())
