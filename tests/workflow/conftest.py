@@ -53,6 +53,18 @@ class Workflow:
         rows = text.split("Job stats:")[-1].split("total")[0]
         return {name: int(count) for name, count in re.findall(r"^(\w+) +(\d+)$", rows, flags=re.MULTILINE)}
 
+    def refusal(self, *config: str, **options) -> str:
+        """The one line that a refused run prints; checks the exit code and that nothing was written."""
+        before = self.published()
+        run = self("--cores", "1", config=config, **options)
+        assert run.returncode == 1, run.stderr
+        lines = [line for line in run.stderr.splitlines() if line]
+        assert len(lines) == 1, run.stderr
+        assert not run.stdout
+        assert self.published() == before
+        assert not (self.folder / "build").exists() or before
+        return lines[0]
+
     def copy(self, folder: Path) -> "Workflow":
         """The same workflow, as far as it has run, with its own plug-in to edit."""
         shutil.copytree(self.folder, folder / "run", symlinks=True)
@@ -84,9 +96,9 @@ def fresh(tmp_path, cache) -> Workflow:
     return Workflow(tmp_path / "run", install_toy(tmp_path / "site"), cache)
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def finished(tmp_path_factory, cache) -> Iterator[Workflow]:
-    """The workflow after a run with two cores; copy it before changing anything."""
+    """The workflow after a run with two cores; copy it before changing anything. Its tests share a file, so that it runs once."""
     folder = tmp_path_factory.mktemp("finished")
     (folder / "run").mkdir()
     workflow = Workflow(folder / "run", install_toy(folder / "site"), cache)

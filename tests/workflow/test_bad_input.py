@@ -3,40 +3,20 @@
 import pytest
 
 
-def refusal(workflow, *config, **options):
-    """The one line that a refused run prints; checks the exit code and that nothing was written."""
-    before = workflow.published()
-    run = workflow("--cores", "1", config=config, **options)
-    assert run.returncode == 1, run.stderr
-    lines = [line for line in run.stderr.splitlines() if line]
-    assert len(lines) == 1, run.stderr
-    assert not run.stdout
-    assert workflow.published() == before
-    assert not (workflow.folder / "build").exists() or before
-    return lines[0]
-
-
 def test_an_unknown_key_is_refused(fresh):
-    assert refusal(fresh, "colour=blue") == (
+    assert fresh.refusal("colour=blue") == (
         "robins: --config: colour: found an unknown key, expected one of ensemble, seed, papers, recordings, sizes, options"
     )
 
 
-@pytest.mark.slow
-def test_a_negative_count_is_refused_and_results_stay(finished, tmp_path):
-    workflow = finished.copy(tmp_path)
-    line = refusal(workflow, "sizes={toy: {standard: {runs: -5}}}")
-    assert line == "robins: --config: sizes.toy.standard.runs: found -5, expected a whole number, one or more"
-
-
 def test_text_in_a_number_column_of_the_published_values_is_refused(fresh):
     fresh.edit("toy.csv", "1.5", "about 1.5")
-    line = refusal(fresh)
+    line = fresh.refusal()
     assert "toy.csv: line 2, column value: found 'about 1.5', expected a number" in line
 
 
 def test_a_missing_recording_is_refused_with_the_way_to_get_it(fresh):
-    line = refusal(fresh, f"recordings={fresh.folder / 'nowhere'}")
+    line = fresh.refusal(f"recordings={fresh.folder / 'nowhere'}")
     assert "nowhere/psins_rlg_static/lasergyro.imu: found no such file, expected 2665416 bytes" in line
     assert "https://github.com/" in line
 
@@ -45,18 +25,18 @@ def test_a_truncated_recording_is_refused(fresh):
     folder = fresh.site / "recordings" / "psins_rlg_static"
     folder.mkdir(parents=True)
     (folder / "lasergyro.imu").write_text("% PSINS\n0 0 0 0 0 0\n")
-    line = refusal(fresh, f"recordings={folder.parent}")
+    line = fresh.refusal(f"recordings={folder.parent}")
     assert "lasergyro.imu: size: found 20 bytes, expected 2665416 bytes" in line
 
 
 @pytest.mark.parametrize("setting", ["papers=[nobody]", "papers=nobody"])
 def test_an_unknown_paper_is_refused(fresh, setting):
-    assert refusal(fresh, papers=setting).startswith("robins: --config: papers: found 'nobody', expected ")
+    assert fresh.refusal(papers=setting).startswith("robins: --config: papers: found 'nobody', expected ")
 
 
 def test_a_job_that_needs_what_nobody_makes_is_refused(fresh):
     fresh.edit("toy.py", 'needs=("tuning",)', 'needs=("trimming",)')
-    assert refusal(fresh) == (
+    assert fresh.refusal() == (
         "robins: paper toy: needs of tuned: found 'trimming', "
         "expected one of constant, diagnose/constant, plain, shrunk, theory, tuned, tuning"
     )
