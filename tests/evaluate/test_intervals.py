@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import stats
+from statsmodels.stats.multitest import multipletests
 from statsmodels.stats.proportion import proportion_confint
 
 from robins.evaluate import intervals
@@ -317,3 +318,9 @@ def test_a_level_is_that_of_the_survivors_and_its_median_that_of_all():
 def test_holms_adjustment_by_hand():
     # Sorted .01 .02 .04: times 3, 2, 1 is .03 .04 .04, and never falls.
     np.testing.assert_allclose(holm([0.04, 0.01, 0.02]), [0.04, 0.03, 0.04])
+
+
+@given(st.lists(st.floats(0.0, 1.0), min_size=1, max_size=15))
+@settings(max_examples=30, deadline=None)
+def test_holms_adjustment_equals_that_of_statsmodels(p_values):
+    np.testing.assert_allclose(holm(p_values), multipletests(p_values, method="holm")[1], rtol=1e-14)

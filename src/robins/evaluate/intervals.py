@@ -385,7 +385,12 @@ def with_stand_ins(numerator: np.ndarray, denominator: np.ndarray, lost: np.ndar
 
 
 def holm(p_values) -> np.ndarray:
-    """Holm's step-down adjusted p values of one family, shape (tests,)."""
-    from statsmodels.stats.multitest import multipletests  # takes seconds to import
+    """Holm's step-down adjusted p values of one family, shape (tests,), as `statsmodels.stats.multitest.multipletests` has them.
 
-    return multipletests(np.asarray(p_values, float), method="holm")[1]
+    That function collects garbage at every call, which in a process full of tables takes longer than all the rest of a claim.
+    """
+    p_values = np.asarray(p_values, float)
+    order = np.argsort(p_values, kind="stable")
+    adjusted = np.empty_like(p_values)
+    adjusted[order] = np.minimum(1.0, np.maximum.accumulate(p_values[order] * np.arange(p_values.size, 0, -1)))
+    return adjusted

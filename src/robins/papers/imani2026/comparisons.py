@@ -71,15 +71,20 @@ def _once(results: Results, key: tuple, make: Callable):
     return kept[key]
 
 
-def _matrices(group: pd.DataFrame, columns, what: str) -> dict[str, np.ndarray]:
-    """Columns of a long table as (runs, channels), runs in order."""
-    group = group.sort_values("run", kind="stable")
-    channels = list(dict.fromkeys(group["channel"]))
-    if channels not in (list(CHANNELS), list(CHANNELS[AVERAGED])) or not np.array_equal(
-        group["channel"].to_numpy(), np.tile(channels, len(group) // len(channels))
-    ):
-        raise ValueError(f"{what}: not one row for each run and channel in the order of the channels")
-    return {name: group[name].to_numpy().reshape(-1, len(channels)) for name in columns}
+def _grouped_matrices(table: pd.DataFrame, names: list[str], columns) -> dict[tuple, dict[str, np.ndarray]]:
+    """Columns of a long table as (runs, channels), runs in order, for every combination of the labels `names`."""
+    run, channel = table["run"].to_numpy(), table["channel"].to_numpy()
+    values = {name: table[name].to_numpy() for name in columns}
+    grouped = {}
+    for key, rows in table.groupby(names, sort=False).indices.items():
+        rows = rows[np.argsort(run[rows], kind="stable")]
+        channels = CHANNELS if len(rows) % len(CHANNELS) == 0 and channel[rows[0]] == CHANNELS[0] else CHANNELS[AVERAGED]
+        if len(rows) % len(channels) or not np.array_equal(
+            channel[rows].reshape(-1, len(channels)), [channels] * (len(rows) // len(channels))
+        ):
+            raise ValueError(f"{key}: not one row for each run and channel in the order of the channels")
+        grouped[key] = {name: column[rows].reshape(-1, len(channels)) for name, column in values.items()}
+    return grouped
 
 
 def scores(results: Results, variant: str, formulation: str, against: str = "truth") -> Scores:
@@ -89,8 +94,7 @@ def scores(results: Results, variant: str, formulation: str, against: str = "tru
 
 def _arranged(results: Results, variant: str) -> dict[tuple[str, str], Scores]:
     arranged = {}
-    for key, group in results.table(variant).groupby(["formulation", "against"], sort=False):
-        columns = _matrices(group, Scores._fields, f"{variant}, {', '.join(key)}")
+    for key, columns in _grouped_matrices(results.table(variant), ["formulation", "against"], Scores._fields).items():
         failed = columns.pop("failed")[:, 0].astype(bool)
         arranged[key] = Scores(**columns, failed=failed)
     for (name, against), found in list(arranged.items()):
@@ -126,8 +130,7 @@ def _grouped(results: Results, study: str) -> dict[frozenset, Scores]:
     table = results.table(study)
     names = list(table.columns[: table.columns.get_loc("run")])
     grouped = {}
-    for values, group in table.groupby(names, sort=False):
-        columns = _matrices(group, ("rmse", "mean", "drift", "failed"), f"{study}, {values}")
+    for values, columns in _grouped_matrices(table, names, ("rmse", "mean", "drift", "failed")).items():
         rmse, mean = columns["rmse"], columns["mean"]
         sd = np.sqrt(np.maximum(rmse**2 - mean**2, 0.0))
         # The sum of the errors times dt is the mean times the duration: equation (45).
