@@ -180,9 +180,9 @@ def drift_at_rest(model, rotation, seconds=20.0, earth=EARTH, n=STATES):
 
 @given(SEEDS, st.sampled_from([1.0, 0.1, 0.01]))
 def test_a_vehicle_at_rest_stays_where_it_is(seed, dt):
-    """A5, the sensor as input, at any attitude and rate."""
+    """A5, the sensor as input, at any attitude and step: the angle is a dozen units of the last place a step."""
     speed, angle = drift_at_rest(classical(dt), attitude(state(seed)))
-    assert speed < 1e-9 and angle < 2e-14 + 4e-16 * 20.0 / dt
+    assert speed < 1e-9 and angle < 3e-15 * 20.0 / dt
 
 
 def test_a_vehicle_at_rest_stays_without_an_input_too():
