@@ -52,8 +52,8 @@ def estimates_figure(group: str) -> Figure:
         channels.NEEDS,
         module_of(channels.draw_estimates),
         "F1, run 0, chosen before any run was made. " + HEADLINE + TUNED + PRINTED + "Acceleration and rate are drawn once a second; "
-        "lines that coincide lie over each other, the thinner in front. The reference has errors of its own, larger than the filters' "
-        "where it is differentiated.",
+        "lines that coincide lie over each other, the thinner in front; angles are wrapped, so a yaw near 180 deg changes sides. The "
+        "reference has errors of its own; its acceleration and rate are differentiated.",
         "runs",
     )
 
@@ -161,8 +161,8 @@ FIGURES = (
     extra(
         "outliers", "Outliers by rate, law and side", sweeps.draw_outliers, ("outliers",),
         "RMSE improvement over the CI-RKF in F1 at 10 Hz. Zero-mean or zero-mode NIG gyro noise with two-sided or one-sided outliers of 15 "
-        "sd times U(0.5, 1.5); right: an impulsive mixture with the same moments. Settings of the headline condition, frozen; hollow: all "
-        "filters tuned again at 2 %, the CI-RKF too. " + GROUPED + BARS + RUNS + TUNED, "sweep_runs",
+        "sd times U(0.5, 1.5); right: an impulsive mixture with the same moments. Settings of the headline condition, frozen; hollow "
+        "(the cross: alone): all filters tuned again at 2 %, the CI-RKF too. " + GROUPED + BARS + RUNS + TUNED, "sweep_runs",
     ),
     extra(
         "rates", "Sampling rate", sweeps.draw_rates, ("rates",),

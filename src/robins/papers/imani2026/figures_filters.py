@@ -191,7 +191,8 @@ def position_row(ax: Axes, results: Results, row: int, name: str, formulation: s
     if not survived.all():
         lost = np.sum(~survived)
         words = f"{lost} of {len(survived)} fail" if survived.any() else f"all {lost} runs fail"
-        ax.text(0.02, row, words, fontsize=8, verticalalignment="center", transform=ax.get_yaxis_transform())
+        paper = {"facecolor": "white", "edgecolor": "none", "pad": 0.6}
+        ax.text(0.02, row, words, fontsize=8, verticalalignment="center", transform=ax.get_yaxis_transform(), bbox=paper)
     if not survived.any():
         return []
     return [

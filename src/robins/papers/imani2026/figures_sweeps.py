@@ -92,7 +92,7 @@ def draw_outliers(results: Results) -> Drawing:
     plain_ticks(axes[0, -1], "x", [0.0], ["0"])
     figure.supxlabel("outliers: share of the samples of a channel (%)", fontsize=8.5)
     figure.supylabel("improvement of RMSE over the CI-RKF (%)", fontsize=8.5)
-    again = in_words("hollow: tuned again at 2 %")
+    again = in_words(f"hollow: tuned again at {100 * RETUNED_RATE:g} %")
     headline(figure, f"Outliers, law and side; all filters tuned · {TITLES['F1']}", [*swept_entries(COMPARED), again], columns=4)
     return figure
 
