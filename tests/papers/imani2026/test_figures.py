@@ -312,16 +312,18 @@ def test_the_position_of_filters_that_fail_is_said_in_words(drawing_of):
 
 
 def test_a_group_is_the_geometric_mean_of_its_channels_and_a_failed_run_a_loss():
-    rows = pd.concat([score_rows(RUNS, 1.0, filter=CI), score_rows(RUNS, 1.0, filter="a"), score_rows(RUNS, 0.5, [2], filter="b")])
+    made = ((CI, 1.0, []), ("a", 1.0, []), ("b", 0.5, [2]))
+    rows = pd.concat([score_rows(RUNS, level, failed, grade="x", filter=name) for name, level, failed in made])
+    where = {"grade": "x"}
     scaled = rows["channel"].map({"v_e": 0.5, "v_n": 2.0, "v_u": 8.0}).fillna(3.0)
     rows.loc[rows["filter"] == "a", "rmse"] *= scaled[rows["filter"] == "a"]
     results = Results(SETTINGS, pd.DataFrame(), {"study": Output(rows)}.__getitem__)
-    found = panels.group_ratio(results, "study", {}, "a", CI)
+    found = panels.group_ratio(results, "study", where, "a", CI)
     np.testing.assert_allclose(found.estimate, [2.0, 3.0, 3.0, 3.0], rtol=1e-12)
     np.testing.assert_allclose([found.low, found.high], [found.estimate] * 2, rtol=1e-9)  # the same ratio in every run
-    lost = panels.group_ratio(results, "study", {}, "b", CI)
+    lost = panels.group_ratio(results, "study", where, "b", CI)
     assert lost.failed == 1 and (lost.estimate > 0.5).all() and (lost.high <= 1.0 + 1e-9).all()
-    level = panels.group_level(results, "study", {}, "b")
+    level = panels.group_level(results, "study", where, "b")
     assert level.failed == 1 and (level.low < level.estimate).all() and (level.estimate < level.high).all()
 
 
