@@ -2,13 +2,14 @@
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from robins.kalman.model import linear_sensor
 from robins.kalman.reweighted import process
 from robins.kalman.update import workspace
 from robins.kalman.weights import weighting
 from robins.navigation.strapdown import ACCELEROMETER_BIAS
-from robins.papers.imani2026.as_printed import plain_noise, process_printed, raw_correntropy, raw_weights, reduce_printed
+from robins.papers.imani2026.as_printed import plain_noise, printed_jacobian, process_printed, raw_correntropy, raw_weights, reduce_printed
 from robins.papers.imani2026.formulations import FORMULATIONS
 from robins.papers.imani2026.methods import Method, increment, nominal
 from robins.papers.imani2026.options import OPTIONS
@@ -187,3 +188,26 @@ def test_what_cannot_be_updated_is_not_a_number(spoilt):
 def test_both_forms_are_one_compiled_update():
     assert isinstance(AS_PRINTED.weighting, type(plain_noise(increment(OPTIONS))))
     assert process_printed.py_func.__name__ == "process_printed"
+
+
+# The Jacobian.
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_the_printed_jacobian_is_that_of_the_printed_rates(seed):
+    """(21) by central differences of r' = v, v' = C (f - b_a) - 2 C0 ((omega - b_g) x v), q' = q (omega - b_g) / 2; C0 does not move."""
+    rng = np.random.default_rng(seed)
+    x, force, rate = rng.normal(size=16), rng.normal(size=3), rng.normal(size=3)
+    x[6:10] /= np.linalg.norm(x[6:10])
+    x[13:] = 0.0  # the printed Coriolis term takes the measured rate
+    C0 = Rotation.from_quat(x[6:10], scalar_first=True).as_matrix()
+
+    def rates(y):
+        q = y[6:10]
+        C = Rotation.from_quat(q, scalar_first=True).as_matrix() * (q @ q)  # homogeneous in the four numbers
+        omega = rate - y[13:16]
+        turned = 0.5 * np.array([-q[1:] @ omega, *(q[0] * omega + np.cross(q[1:], omega))])
+        return np.concatenate([y[3:6], C @ (force - y[10:13]) - 2.0 * C0 @ np.cross(omega, y[3:6]), turned, np.zeros(6)])
+
+    found = np.array([(rates(x + 1e-6 * axis) - rates(x - 1e-6 * axis)) / 2e-6 for axis in np.eye(16)]).T
+    np.testing.assert_allclose(printed_jacobian(x, force, rate), found, rtol=0, atol=1e-8)

@@ -13,6 +13,7 @@ from robins.kalman import extension
 from robins.kalman.model import linearise, linearise_observation, observe, propagate, retract
 from robins.kalman.update import update_error, workspace
 from robins.navigation.strapdown import ACCELEROMETER_BIAS, BA, BG, FORCE, GYRO_BIAS, Q0, RATE, THETA, XF, R, V
+from robins.papers.imani2026.as_printed import printed_jacobian
 from robins.papers.imani2026.drive import GRAVITY, LATITUDE
 from robins.papers.imani2026.formulations import (
     DEFAULT_PROCESS,
@@ -273,50 +274,46 @@ def test_a_bias_that_is_learnt_from_the_sample_before_follows_the_signal(journey
 # Jacobians.
 
 
-def printed_rate(x, u):
-    """Equation (21) for the fifteen errors: blocks as printed, with the attitude's in error-state form."""
+def rate_jacobian(x, u):
+    """The continuous-time Jacobian of the fifteen errors, with Coriolis' term of the earth's rate and without transport rate."""
     C, f, omega = attitude(x).as_matrix(), u[:3] - x[ACCELEROMETER_BIAS:GYRO_BIAS], u[3:6] - x[GYRO_BIAS : GYRO_BIAS + 3]
     A = np.zeros((15, 15))
     A[R:V, V:THETA] = np.eye(3)
-    A[V:THETA, V:THETA] = -2.0 * C @ cross_matrix(omega)
-    A[V:THETA, THETA:BA], A[V:THETA, BA:BG] = -C @ cross_matrix(f), -C
-    A[V:THETA, BG:] = -2.0 * C @ cross_matrix(x[V:Q0])
+    A[V:THETA, V:THETA], A[V:THETA, THETA:BA], A[V:THETA, BA:BG] = -cross_matrix(2.0 * EARTH_N), -C @ cross_matrix(f), -C
     A[THETA:BA, THETA:BA], A[THETA:BA, BG:] = -cross_matrix(omega), -np.eye(3)
     return A
 
 
 def test_the_printed_jacobian_used_as_a_transition_forgets_the_covariance(journey):
-    """(20), (21): what was known of position and biases is gone after one step; as a rate it belongs into ``exp(A dt)``."""
+    """(20), (21): what was known of position, velocity and biases is gone after one step; as a rate it belongs into ``exp(A dt)``."""
     trip, k = journey(1), 1400  # straight on
     form = formulation("F0", 10, Sensors())
     x, u = true_state("F0", trip.case.driven, k), controls("F0", trip.measured)[0, k]
-    F, Q, _ = jacobians(form, x, u)
-    A, P = printed_rate(x, u), form.P0
-    printed, right = A @ P @ A.T + Q, F @ P @ F.T + Q
-    np.testing.assert_array_equal(printed[R:V, R:V], P[V:THETA, V:THETA])  # the velocity's variance, in m^2
-    np.testing.assert_array_equal(printed[BA:, BA:], Q[BA:, BA:])
-    spread = P.copy()
+    A, P = printed_jacobian(x, u[:3], u[3:6]), np.diag(np.repeat([1e-4, 1e-4, 1e-6, 1e-6, 1e-8], [3, 3, 4, 3, 3]))
+    Q = np.diag(np.repeat(np.square([0.0, 0.1, 0.01, 1e-3, 1e-4]), [3, 3, 4, 3, 3]))
+    velocity, biases = np.s_[V:Q0, V:Q0], np.s_[ACCELEROMETER_BIAS:, ACCELEROMETER_BIAS:]
+    printed, spread = A @ P @ A.T + Q, P.copy()
+    np.testing.assert_array_equal(printed[R:V, R:V], P[velocity])  # the velocity's variance, in m^2
+    np.testing.assert_array_equal(printed[biases], Q[biases])
     spread[R:V, R:V] *= 1e6
     np.testing.assert_array_equal(A @ spread @ A.T + Q, printed)
-    unsure = P.copy()
-    unsure[V:THETA, V:THETA] = 100.0 * np.eye(3)
-    turning = 4.0 * np.sum((u[3:6] - x[GYRO_BIAS:]) ** 2)
-    assert np.diag(A @ unsure @ A.T)[V:THETA].max() < 100.0 * turning + 0.01, "all that is left of it comes through the Coriolis term"
-    assert np.diag(F @ unsure @ F.T)[V:THETA].min() > 100.0 - 1e-6
-    np.testing.assert_array_equal(right[BA:, BA:], (P + Q)[BA:, BA:])
-    assert np.all(np.diag(right) >= np.diag(P) - 1e-15)
-    by_rate = printed_rate(x, u)
-    by_rate[V:THETA, V:THETA], by_rate[V:THETA, BG:] = -cross_matrix(2.0 * EARTH_N), 0.0  # Coriolis with the earth's rate
-    np.testing.assert_allclose(F, expm(by_rate * DT), rtol=0, atol=2e-3)
+    spread[velocity] = 100.0 * np.eye(3)
+    turning = 4.0 * u[3:6] @ u[3:6]
+    assert np.diag(A @ spread @ A.T)[V:Q0].max() < 100.0 * turning + 0.01, "all that is left of it comes through the Coriolis term"
+    F, Q, _ = jacobians(form, x, u)
+    right = F @ form.P0 @ F.T + Q
+    np.testing.assert_array_equal(right[BA:, BA:], (form.P0 + Q)[BA:, BA:])
+    assert np.all(np.diag(right) > np.diag(form.P0) - 1e-12)
+    np.testing.assert_allclose(F, expm(rate_jacobian(x, u) * DT), rtol=0, atol=2e-3)
 
 
 def test_the_printed_coriolis_term_is_wrong_by_metres_per_second_squared():
     """Its rate is the body's instead of the earth's: 2.4 m/s^2 in a turn of .3 rad/s at 4 m/s."""
     x, u = np.zeros(16), np.array([0.0, 0.0, GRAVITY, 0.0, 0.0, 0.3])
     x[Q0], x[V] = 1.0, 4.0
-    block = printed_rate(x, u)[V:THETA, V:THETA]
-    assert np.linalg.norm(block @ x[V:Q0]) == pytest.approx(2.4, rel=1e-12)
-    assert np.linalg.norm(cross_matrix(2.0 * EARTH_N) @ x[V:Q0]) < 1e-3
+    printed, right = printed_jacobian(x, u[:3], u[3:])[V:Q0, V:Q0], rate_jacobian(x, u)[V:THETA, V:THETA]
+    assert np.linalg.norm(printed @ x[V:Q0]) == pytest.approx(2.4, rel=1e-12)
+    assert np.linalg.norm(right @ x[V:Q0]) < 1e-3
 
 
 def differences(move, model, x, n, difference):

@@ -208,6 +208,15 @@ def test_grids_vary_one_threshold_at_a_time_and_all_of_them_in_the_full_ensemble
     assert set(increments) <= set(full) and len(full) == 3 * 3 * pairs
 
 
+def test_the_full_ensemble_has_fixed_points_over_the_widths_of_measurement_and_prior(slow, settings):
+    assert not any(method == "mk-li" for method, _ in grid_methods(slow))
+    found = {setting: method for (name, setting), method in grid_methods(settings("full", rate_hz=1)).items() if name == "mk-li"}
+    assert len(found) == 3 * 4 * 2
+    cold, warm = (found[f"width 1.5, prior 6, {start}"].weighting for start in ("cold", "warm"))
+    assert cold.parameters[-1] == 1.5 and cold.iteration.prior[-1] == 6.0
+    assert (cold.iteration.warm, warm.iteration.warm) == (False, True)
+
+
 def test_grids_are_scored_for_each_setting(slow):
     table = grids(slow).table
     assert list(table.columns) == ["method", "setting", "run", "channel", "rmse", "mean", "drift", "failed", "reason"]
