@@ -15,6 +15,7 @@ def test_each_kind_of_column_has_its_kind_and_numbers_their_tolerance():
     columns = *keys("state"), *texts("unit"), *counts("n"), *numbers("rmse", unit="m/s")
     assert [column.kind for column in columns] == ["key", "text", "count", "number"]
     assert columns[-1].relative == ADAPTIVE and columns[-1].unit == "m/s"
+    assert numbers("gain", absolute=1e-8)[0].absolute == 1e-8
 
 
 def test_a_made_table_has_its_columns_in_order_and_depends_on_the_module_of_its_builder():

@@ -29,9 +29,11 @@ def counts(*names: str) -> tuple[Column, ...]:
     return tuple(Column(name, "count") for name in names)
 
 
-def numbers(*names: str, kind: str = "number", relative: float = ADAPTIVE, unit: str = "") -> tuple[Column, ...]:
-    """Columns of numbers with a relative tolerance."""
-    return tuple(Column(name, kind, unit, relative, ROUND_OFF) for name in names)
+def numbers(
+    *names: str, kind: str = "number", relative: float = ADAPTIVE, absolute: float = ROUND_OFF, unit: str = ""
+) -> tuple[Column, ...]:
+    """Columns of numbers with a relative tolerance; an `absolute` one beyond round-off has to be small against their intervals."""
+    return tuple(Column(name, kind, unit, relative, absolute) for name in names)
 
 
 def make(name: str, title: str, build: Callable, columns: Iterable[tuple[Column, ...]], needs: Iterable[str], caption: str,

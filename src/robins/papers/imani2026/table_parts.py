@@ -13,11 +13,14 @@ from robins.publish.tables import FAILED
 RUNS = "Runs 0 to n - 1 of the configuration's seed; settings were tuned on runs from 1000 on, in F1, and frozen."
 """Which runs a table reports from, and which it does not."""
 HEADLINE = "10 Hz, zero-mean normal-inverse-Gaussian gyro noise, no outliers."
+RATIO = "an improvement is what the ratio lacks to 1"
 INTERVAL = "95 % bootstrap interval over the runs"
 LOSSES = "A failed run counts as a loss of its filter."
 SURVIVORS = "Over the surviving runs; the median counts a failed run as infinite."
 FORMULATIONS_CAPTION = "F0: quasi-static (printed states), F1: augmented, F2: hybrid."
 
+IMPROVEMENT_TOLERANCE = 5e-8
+"""Absolute tolerance of an improvement in per cent: the difference of two errors that agree to nine digits and regenerate to as many."""
 UNITS = dict(zip(GROUPS, ("m/s", "m/s^2", "rad/s", "deg"), strict=True))
 """Units of the tables by domain; jobs have radians."""
 UNIT = {channel: UNITS[group] for group, channels in GROUPS.items() for channel in channels}
@@ -44,6 +47,11 @@ def level_cells(name: str, found: Level, unit: str) -> dict[str, float | str]:
 def improvement_cells(name: str, found: Improvement) -> dict[str, float | str]:
     """``<name>``, ``<name>_low`` and ``<name>_high`` of an improvement, in per cent."""
     return {name: finite(100.0 * found.estimate)} | ends(name, 100.0 * found.low, 100.0 * found.high)
+
+
+def ratio_cells(found: Improvement) -> dict[str, float | str]:
+    """``ratio``, ``ratio_low`` and ``ratio_high``: one minus the improvement, which keeps its digits where two filters hardly differ."""
+    return {"ratio": finite(1.0 - found.estimate)} | ends("ratio", 1.0 - found.high, 1.0 - found.low)
 
 
 def p_value(found: Improvement, value: float) -> float | str:

@@ -21,8 +21,10 @@ from robins.papers.imani2026.scoring import AVERAGED
 from robins.papers.imani2026.table_parts import (
     FORMULATIONS_CAPTION,
     HEADLINE,
+    IMPROVEMENT_TOLERANCE,
     INTERVAL,
     LOSSES,
+    RATIO,
     RUNS,
     SURVIVORS,
     channel_units,
@@ -31,9 +33,10 @@ from robins.papers.imani2026.table_parts import (
     level_cells,
     not_available,
     p_value,
+    ratio_cells,
 )
 from robins.papers.imani2026.variants import VARIANTS
-from robins.papers.protocol import Results, Table
+from robins.papers.protocol import Column, Results, Table
 
 MKMC, CI = PAIR
 AGAINST = {"truth": CHANNELS, "interval": CHANNELS[AVERAGED], "reference": CHANNELS}
@@ -45,7 +48,7 @@ PAIRS = (
     (MKMC, "no-update"), (MKMC, "ci-corr"), (MKMC, "gate"), (MKMC, "single-kernel"), (MKMC, "mk-norm"), (MKMC, "mk-li"), (MKMC, "mcc1"),
     (MKMC, "huber"), ("ekf-tuned", "no-update"),
 )  # fmt: skip
-"""Every comparison of `extra-improvements`: the filter that may be better, and the other."""
+"""Every comparison of `extra-ratios`: the filter that may be better, and the other."""
 NEES_TIMES = (30, 150, 330)
 """When the normalised errors are shown [s]: early, on the slope, at the end."""
 AXES = ("east", "north", "up")
@@ -66,8 +69,15 @@ def comparison(results: Results, formulation: str, against: str, metric: str) ->
     return rows
 
 
-COMPARED = (*interval_names("ci", "mkmc", "improvement"), "p_holm")
+LEVELS, IMPROVED = interval_names("ci", "mkmc"), interval_names("improvement")
+COMPARED = (*LEVELS, *IMPROVED, "p_holm")
 TALLY = ("n", "ci_failed", "mkmc_failed")
+
+
+def compared_columns(prefix: str = "") -> tuple[Column, ...]:
+    """Columns of `COMPARED`."""
+    levels, improved = ([prefix + name for name in names] for names in (LEVELS, IMPROVED))
+    return (*numbers(*levels), *numbers(*improved, absolute=IMPROVEMENT_TOLERANCE), *numbers(f"{prefix}p_holm"))
 
 
 def table_5(results: Results) -> pd.DataFrame:
@@ -109,7 +119,7 @@ def filters(results: Results) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def improvement_rows(results: Results) -> pd.DataFrame:
+def ratios(results: Results) -> pd.DataFrame:
     """What beats what in RMSE: `PAIRS` in every formulation and channel."""
     rows = []
     for above, below in PAIRS:
@@ -118,7 +128,7 @@ def improvement_rows(results: Results) -> pd.DataFrame:
             for channel, p in zip(CHANNELS, adjusted(found), strict=True):
                 rows.append({
                     "filter": above, "over": below, "formulation": formulation, "channel": channel,
-                    **improvement_cells("improvement", of_channel(found, channel)), "p_holm": p_value(found, p),
+                    **ratio_cells(of_channel(found, channel)), "p_holm": p_value(found, p),
                     "n": found.n, "failed": found.numerator_failed, "over_failed": found.denominator_failed,
                 })  # fmt: skip
     return pd.DataFrame(rows)
@@ -204,8 +214,7 @@ ERROR_TABLES: tuple[Table, ...] = (
     make(
         "table-5", "Errors of CI-RKF and MKMC-EKF, channel by channel", table_5,
         (
-            keys("channel"), texts("unit"), *(numbers(*(f"{metric}_{name}" for name in COMPARED)) for metric in PRINTED_ORDER),
-            counts(*TALLY),
+            keys("channel"), texts("unit"), *(compared_columns(f"{metric}_") for metric in PRINTED_ORDER), counts(*TALLY),
         ),
         PAIR,
         f"{not_available(5)} F1 against the truth. {HEADLINE} drift: mean over the runs of the absolute error at the last epoch; rmse, sd: "
@@ -216,7 +225,7 @@ ERROR_TABLES: tuple[Table, ...] = (
     ),
     make(
         "extra-table-5", "Table 5 in every formulation, against truth and reference", table_5_everywhere,
-        (keys("formulation", "against", "metric", "channel"), texts("unit"), numbers(*COMPARED), counts(*TALLY)), PAIR,
+        (keys("formulation", "against", "metric", "channel"), texts("unit"), compared_columns(), counts(*TALLY)), PAIR,
         f"{FORMULATIONS_CAPTION} against: the truth at the sample's time, its average over the sample's interval, and the reference system "
         f"with errors of its own, which stands for VITANS. {HEADLINE} Settings were tuned in F1. Metrics and intervals as in Table 5; the "
         "other reading of drift, the integral of the error, is the mean times 330 s, so its improvement is that of the mean. p_holm: over "
@@ -230,14 +239,15 @@ ERROR_TABLES: tuple[Table, ...] = (
         f"What the names stand for is in extra-variants. {RUNS}",
     ),
     make(
-        "extra-improvements", "What beats what", improvement_rows,
+        "extra-ratios", "What beats what", ratios,
         (
-            keys("filter", "over", "formulation", "channel"), numbers(*interval_names("improvement"), "p_holm"),
+            keys("filter", "over", "formulation", "channel"), numbers(*interval_names("ratio"), "p_holm"),
             counts("n", "failed", "over_failed"),
         ),
         dict.fromkeys(name for pair in PAIRS for name in pair),
-        f"Improvement of RMSE against the truth [%] with its paired {INTERVAL}; p_holm: adjusted over the 12 channels of a pair and "
-        f"formulation. {FORMULATIONS_CAPTION} {HEADLINE} {LOSSES} Where no run survives in both, failed. {RUNS}",
+        f"ratio: RMSE of filter over that of the other, against the truth, with its paired {INTERVAL}; {RATIO}. p_holm: of no "
+        f"difference, adjusted over the 12 channels of a pair and formulation. {FORMULATIONS_CAPTION} {HEADLINE} {LOSSES} Where no run "
+        f"survives in both, failed. {RUNS}",
     ),
     make(
         "extra-position", "Position error of every filter", position,

@@ -13,12 +13,13 @@ from robins.papers.imani2026.table_parts import (
     HEADLINE,
     INTERVAL,
     LOSSES,
+    RATIO,
     RUNS,
     SWEPT_FILTERS,
     channel_units,
-    improvement_cells,
     interval_names,
     level_cells,
+    ratio_cells,
     shown,
 )
 from robins.papers.imani2026.tune import CONDITIONS, budget
@@ -74,14 +75,14 @@ def variants(results: Results) -> pd.DataFrame:
 
 
 def compared(results: Results, study: str, where: Mapping, of: Filter, over: Filter) -> list[dict]:
-    """RMSE of a filter of a study, and its improvement over another, in every channel."""
+    """RMSE of a filter of a study, and its ratio to that of another, in every channel."""
     found = sweep_improvements(results, study, where, of, over, "rmse")
     rows = []
     for channel, unit in channel_units():
         rmse = sweep_level(results, study, where, of, "rmse", channel)
         rows.append({
             "channel": channel, "unit": unit, "rmse": finite(shown(rmse.estimate, unit)),
-            **improvement_cells("improvement", of_channel(found, channel)),
+            **ratio_cells(of_channel(found, channel)),
             "n": found.n, "failed": found.numerator_failed, "ci_failed": found.denominator_failed,
         })  # fmt: skip
     return rows
@@ -106,17 +107,17 @@ OUTLIERS, GRADES, RATES = ("law", "sided", "rate", "tuned"), ("grade",), ("rate_
 
 
 def outliers(results: Results) -> pd.DataFrame:
-    """Improvements by noise law, side and rate of the outliers."""
+    """Ratios by noise law, side and rate of the outliers."""
     return sweep(results, "outliers", OUTLIERS)
 
 
 def grades(results: Results) -> pd.DataFrame:
-    """Improvements by sensor grade."""
+    """Ratios by sensor grade."""
     return sweep(results, "grades", GRADES)
 
 
 def rates(results: Results) -> pd.DataFrame:
-    """Improvements by sampling rate."""
+    """Ratios by sampling rate."""
     return sweep(results, "rates", RATES)
 
 
@@ -125,8 +126,8 @@ def scaled(row: Mapping) -> dict:
     return {"method": row["method"], "scale": f"{row['scale']:g}"}
 
 
-def improvement_map(results: Results) -> pd.DataFrame:
-    """Improvements of the kernels over the CI-RKF by rate of outliers and scale of the widths, in F1."""
+def kernel_map(results: Results) -> pd.DataFrame:
+    """Ratios of the kernels to the CI-RKF by rate of outliers and scale of the widths, in F1."""
     table = results.table("scale")
     table = table[(table["formulation"] == "F1") & table["method"].isin(("mk-norm", "mk-norm-gain"))]
     rows = []
@@ -159,7 +160,7 @@ def conventional(options: Mapping) -> dict:
 
 
 def grids(results: Results) -> pd.DataFrame:
-    """Improvements of every threshold and number of kernels over the conventional CI-RKF."""
+    """Ratios of every threshold and number of kernels to the conventional CI-RKF."""
     over, rows = conventional(results.settings.options), []
     for of in labels_of(results.table("grids"), ("method", "setting")):
         rows += [of | row for row in compared(results, "grids", {}, of, over)]
@@ -177,7 +178,7 @@ def ablations(results: Results) -> pd.DataFrame:
                 found = sweep_level(results, "ablations", where, filter_name, "rmse", row["channel"])
                 levels[name] = finite(shown(found.estimate, row["unit"]))
             rows.append(where | row | levels)
-    columns = ["ablation", "formulation", "channel", "unit", "ekf", "ci", "rmse", *interval_names("improvement"), *TALLY]
+    columns = ["ablation", "formulation", "channel", "unit", "ekf", "ci", "rmse", *interval_names("ratio"), *TALLY]
     return pd.DataFrame(rows)[columns].rename(columns={"rmse": "mkmc"})
 
 
@@ -187,10 +188,10 @@ def theory(results: Results) -> pd.DataFrame:
 
 
 TALLY = ("n", "failed", "ci_failed")
-IMPROVED = (numbers("rmse"), numbers(*interval_names("improvement")), counts(*TALLY))
+COMPARED = (numbers("rmse", *interval_names("ratio")), counts(*TALLY))
 OVER_CI = (
-    "rmse: root mean square over the surviving runs, against the truth, in F1; improvement: over the CI-RKF in the same rows [%] "
-    f"with its paired {INTERVAL}. {LOSSES}"
+    "rmse: root mean square over the surviving runs, against the truth, in F1; ratio: to that of the CI-RKF in the same rows with its "
+    f"paired {INTERVAL}; {RATIO}. {LOSSES}"
 )
 TUNED = f"Every filter has its tuned and frozen settings. {RUNS}"
 CONVENTIONAL = "Conventional settings, not tuned. Runs 0 to n - 1 of the configuration's seed."
@@ -227,14 +228,14 @@ STUDY_TABLES: tuple[Table, ...] = (
         "result uses.", "tuning_runs",
     ),
     make(
-        "extra-outliers", "Improvements over the CI-RKF with outliers", outliers,
-        (keys(*OUTLIERS, "filter", "channel"), texts("unit"), *IMPROVED), ("outliers",),
+        "extra-outliers", "RMSE over that of the CI-RKF, with outliers", outliers,
+        (keys(*OUTLIERS, "filter", "channel"), texts("unit"), *COMPARED), ("outliers",),
         f"rate: share of the samples of each channel; size: 15 standard deviations times U(0.5, 1.5). {OVER_CI} tuned: under which "
         f"condition, both filters alike. 10 Hz. {TUNED}", "sweep_runs",
     ),
     make(
-        "extra-map", "Improvement over the CI-RKF by rate of outliers and kernel scale", improvement_map,
-        (keys("rate", "method", "scale", "channel"), texts("unit"), *IMPROVED), ("scale",),
+        "extra-map", "RMSE over that of the CI-RKF by rate of outliers and kernel scale", kernel_map,
+        (keys("rate", "method", "scale", "channel"), texts("unit"), *COMPARED), ("scale",),
         f"scale: multiplier of the widths; two-sided outliers, zero-mean noise, 10 Hz. {OVER_CI} {CONVENTIONAL}", "sweep_runs",
     ),
     make(
@@ -246,32 +247,32 @@ STUDY_TABLES: tuple[Table, ...] = (
         f"{INTERVAL}. F1 has fewer runs than F0: see the column n. {HEADLINE} {CONVENTIONAL}",
     ),
     make(
-        "extra-grades", "Improvements over the CI-RKF by sensor grade", grades,
-        (keys(*GRADES, "filter", "channel"), texts("unit"), *IMPROVED), ("grades",),
+        "extra-grades", "RMSE over that of the CI-RKF by sensor grade", grades,
+        (keys(*GRADES, "filter", "channel"), texts("unit"), *COMPARED), ("grades",),
         f"vehicle: what an atomic sensor is worth in a moving car; atomic-ideal: what it promises in the laboratory. {OVER_CI} {HEADLINE} "
         f"{TUNED}", "sweep_runs",
     ),
     make(
-        "extra-rates", "Improvements over the CI-RKF by sampling rate", rates,
-        (keys(*RATES, "filter", "channel"), texts("unit"), *IMPROVED), ("rates",),
+        "extra-rates", "RMSE over that of the CI-RKF by sampling rate", rates,
+        (keys(*RATES, "filter", "channel"), texts("unit"), *COMPARED), ("rates",),
         "noise: a sample's standard deviation is kept (equal-sample) or the noise density is (equal-psd). Above 10 Hz there are fewer "
         f"runs: see the column n. {OVER_CI} {TUNED}", "sweep_runs",
     ),
     make(
         "extra-grids", "Thresholds of the CI-RKF and numbers of kernels", grids,
-        (keys("method", "setting", "channel"), texts("unit"), *IMPROVED), ("grids",),
+        (keys("method", "setting", "channel"), texts("unit"), *COMPARED), ("grids",),
         f"beta, c0, c1 and the shape of (35); kernels of equal weight. {OVER_CI} Here the CI-RKF is the conventional one, linear. "
         f"{HEADLINE} {CONVENTIONAL}", "fast_runs",
     ),
     make(
         "extra-ablations", "Readings and choices, one at a time", ablations,
         (
-            keys("ablation", "formulation", "channel"), texts("unit"), numbers("ekf", "ci", "mkmc", *interval_names("improvement")),
+            keys("ablation", "formulation", "channel"), texts("unit"), numbers("ekf", "ci", "mkmc", *interval_names("ratio")),
             counts(*TALLY),
         ),
         ("ablations",),
-        "ekf, ci, mkmc: RMSE of EKF, CI-RKF and MKMC-EKF, root mean square over the surviving runs, against the truth; improvement: of "
-        f"MKMC-EKF over CI-RKF [%] with its paired {INTERVAL}. {LOSSES} 10 Hz. {CONVENTIONAL}", "fast_runs",
+        "ekf, ci, mkmc: RMSE of EKF, CI-RKF and MKMC-EKF, root mean square over the surviving runs, against the truth; ratio: of "
+        f"MKMC-EKF to CI-RKF with its paired {INTERVAL}; {RATIO}. {LOSSES} 10 Hz. {CONVENTIONAL}", "fast_runs",
     ),
     make(
         "extra-theory", "Propositions: expected and found", theory,
