@@ -1,6 +1,7 @@
 """Every claim is judged by its rule: fabricated runs with a known answer, and a small ensemble that is too small for any."""
 
 import zlib
+from functools import cache
 
 import numpy as np
 import pandas as pd
@@ -12,7 +13,7 @@ from robins.evaluate.verdicts import Verdict
 from robins.papers.imani2026.claims import CLAIMS
 from robins.papers.imani2026.comparisons import GROUPS
 from robins.papers.imani2026.drive import CHANNELS, DURATION, KEY
-from robins.papers.imani2026.judging import OTHERS
+from robins.papers.imani2026.judging import OTHERS, STUDIES
 from robins.papers.imani2026.studies import outlier_cases
 from robins.papers.protocol import Output, Results, Settings
 
@@ -69,6 +70,32 @@ def study_output(labels: list[dict], runs: int, by_filter: dict) -> Output:
     return Output(pd.concat([pd.DataFrame(columns), stacked], axis=1))
 
 
+def study(name: str, sweep_runs: int, fast_runs: int, swept: dict) -> Output:
+    """A study of the wing, by name."""
+    if name == "outliers":
+        labels = [{**case, "tuned": "headline"} for case in outlier_cases()]
+        labels.append({"law": "nig-zero-mean", "sided": "two-sided", "rate": 0.02, "tuned": "outliers"})
+        return study_output(labels, sweep_runs, swept)
+    if name == "grades":
+        return study_output([{"grade": grade} for grade in ("vehicle", "atomic-ideal")], sweep_runs, swept)
+    labels = [{"rate_hz": rate, "noise": noise} for rate in RATES for noise in ("equal-sample", "equal-psd")]
+    slow, fast = ([row for row in labels if (row["rate_hz"] > 10) == above] for above in (False, True))
+    parts = [study_output(rows, count, swept).table for rows, count in ((slow, sweep_runs), (fast, fast_runs))]
+    return Output(pd.concat(parts, ignore_index=True))
+
+
+@cache
+def plain_study(name: str, sweep_runs: int, fast_runs: int) -> Output:
+    """A study in which all filters have errors near 1."""
+    return study(name, sweep_runs, fast_runs, {})
+
+
+@cache
+def plain_variant(name: str, runs: int) -> Output:
+    """A variant whose errors are near 1."""
+    return variant_output(name, runs, {}, ())
+
+
 def theory_table(runs: int, **changed) -> pd.DataFrame:
     """The rows that claims read, at what theory expects; `changed` values by a part of the quantity."""
     rows = []
@@ -94,29 +121,21 @@ def fabricate(published, runs=RUNS, sweep_runs=20, fast_runs=5, failed=None, swe
     Factors are by channel, (channel, metric) or ``all``, or such mappings by formulation.
     """
     given = {name.replace("_", "-"): value for name, value in factors.items()}
-    swept = swept or {}
     more = level or {}
 
     def load(name):
-        if name == "outliers":
-            labels = [{**case, "tuned": "headline"} for case in outlier_cases()]
-            labels.append({"law": "nig-zero-mean", "sided": "two-sided", "rate": 0.02, "tuned": "outliers"})
-            return study_output(labels, sweep_runs, swept)
-        if name == "grades":
-            return study_output([{"grade": grade} for grade in ("vehicle", "atomic-ideal")], sweep_runs, swept)
-        if name == "rates":
-            labels = [{"rate_hz": rate, "noise": noise} for rate in RATES for noise in ("equal-sample", "equal-psd")]
-            slow, fast = ([row for row in labels if (row["rate_hz"] > 10) == above] for above in (False, True))
-            parts = [study_output(rows, count, swept).table for rows, count in ((slow, sweep_runs), (fast, fast_runs))]
-            return Output(pd.concat(parts, ignore_index=True))
+        if name in STUDIES:
+            return study(name, sweep_runs, fast_runs, swept) if swept else plain_study(name, sweep_runs, fast_runs)
         if name == "theory":
             return Output(theory_table(runs) if theory is None else theory)
         if name == "drive":
             noise = np.random.default_rng(1).standard_normal((3300, 3)) ** 2
             return Output(pd.DataFrame(), {"residual.gyroscope": noise, "truth": np.full((3301, 12), 2.0)})
+        if name not in {*given, *(failed or {}), *more}:
+            return plain_variant(name, runs)
         return variant_output(name, runs, given.get(name, {}), (failed or {}).get(name, ()), **more.get(name, {}))
 
-    settings = Settings("standard", 1, {"runs": runs, "sweep_runs": sweep_runs, "fast_runs": fast_runs, "bootstrap": 2000},
+    settings = Settings("standard", 1, {"runs": runs, "sweep_runs": sweep_runs, "fast_runs": fast_runs, "bootstrap": 600},
                         {"rate_hz": 10, "rates_hz": list(RATES)})  # fmt: skip
     return Results(settings, published, load)
 
