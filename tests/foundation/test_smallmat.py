@@ -35,6 +35,11 @@ def test_products_are_those_of_numpy(n, inner, m, seed):
     np.testing.assert_allclose(vector, A @ x, **ROUNDING)
     smallmat.assign(A @ B, out)
     np.testing.assert_array_equal(out, A @ B)
+    smallmat.add_product(-2.0, A, B, out)
+    np.testing.assert_allclose(out, -A @ B, **ROUNDING)
+    turned = np.full((inner, n), np.nan)
+    smallmat.transpose(A, turned)
+    np.testing.assert_array_equal(turned, A.T)
 
 
 @given(SIZES, SIZES, SEEDS)
@@ -93,9 +98,12 @@ def test_a_channel_with_an_infinite_factor_is_removed_by_whitening():
 
 
 def test_zero_factors_are_skipped():
-    """A factor of zero removes what it multiplies, even what is not a number."""
-    A, unknown, out = np.array([[0.0, 1.0], [0.0, 2.0]]), np.array([[np.nan, np.inf], [3.0, 4.0]]), np.empty((2, 2))
-    smallmat.multiply(A, unknown, out)
-    np.testing.assert_array_equal(out, [[3.0, 4.0], [6.0, 8.0]])
-    smallmat.congruence(np.ascontiguousarray(unknown.T), A, out)
-    np.testing.assert_array_equal(out, [[3.0, 6.0], [6.0, 8.0]])
+    """Three factors of zero, or one after the last three, remove what they multiply, even what is not a number."""
+    A = np.array([[0.0, 0.0, 0.0, 1.0, 0.0, 2.0, 0.0], [0.0, 0.0, 0.0, 3.0, 4.0, 5.0, 0.0]])
+    B, out = np.arange(14.0).reshape(7, 2), np.empty((2, 2))
+    B[:3], B[6] = np.nan, np.inf
+    smallmat.multiply(A, B, out)
+    np.testing.assert_array_equal(out, A[:, 3:6] @ B[3:6])
+    smallmat.congruence(np.ascontiguousarray(B.T), A, out)
+    lower = np.tril(A[:, 3:6] @ B[3:6])
+    np.testing.assert_array_equal(out, lower + np.tril(lower, -1).T)

@@ -23,7 +23,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from robins.foundation.smallmat import cholesky, kernel, multiply, multiply_sparse, solve_rows, whiten
+from robins.foundation.smallmat import add_product, assign, cholesky, kernel, multiply, multiply_sparse, solve_rows, transpose, whiten
 from robins.kalman.noise import weighted_noise
 
 
@@ -87,6 +87,14 @@ def cross_covariance(P, H, weights, PH):
 
 
 @kernel
+def kept_transpose(HP, weights, PH):
+    """``PH = (H P)^T``, with zeros for a channel of weight zero."""
+    for j in range(HP.shape[0]):
+        for i in range(HP.shape[1]):
+            PH[i, j] = HP[j, i] if weights[j] > 0.0 else 0.0
+
+
+@kernel
 def project(PH, H, R, weights, S):
     """``S = H PH + R``: lower half, then mirrored; nothing but R for a channel of weight zero."""
     n, m = PH.shape
@@ -125,6 +133,12 @@ def innovation_covariance(P, H, R, C, correlated, weights, PH, S):
     A channel of weight zero has zeros in `PH` and, besides its element of `R`, in `S`.
     """
     cross_covariance(P, H, weights, PH)
+    project_correlated(H, R, C, correlated, weights, PH, S)
+
+
+@kernel
+def project_correlated(H, R, C, correlated, weights, PH, S):
+    """`innovation_covariance` from ``PH = P H^T``."""
     project(PH, H, R, weights, S)
     if correlated:
         add_correlation(H, C, weights, PH, S)
@@ -146,17 +160,10 @@ def times_transposed(T, H, out):
 
 
 @kernel
-def reduce_covariance(P, K, H, HP, out):
-    """``out = (I - K H) P``; leaves ``H P`` in `HP` ``(m, n)``."""
-    n, m = K.shape
-    multiply(H, P, HP)
-    for i in range(n):
-        for k in range(n):
-            out[i, k] = P[i, k]
-        for j in range(m):
-            factor = K[i, j]
-            for k in range(n):
-                out[i, k] -= factor * HP[j, k]
+def reduce_covariance(P, K, HP, out):
+    """``out = (I - K H) P`` with ``H P`` ``(m, n)``."""
+    assign(P, out)
+    add_product(-1.0, K, HP, out)
 
 
 @kernel
@@ -178,25 +185,31 @@ def subtract_correlation(K, H, C, T, P):
 
 @kernel
 def joseph(P, K, H, R, C, correlated, work):
-    """Joseph form of the posterior covariance, in place; valid for any gain. See the module's docstring.
+    """Joseph form of the posterior covariance, in place; valid for any gain. See the module's docstring."""
+    multiply(H, P, work.HP)
+    joseph_projected(P, K, H, R, C, correlated, work)
+
+
+@kernel
+def joseph_projected(P, K, H, R, C, correlated, work):
+    """`joseph` where ``work.HP`` holds ``H P``.
 
     ``A P A^T + K R K^T = T + (K R - T H^T) K^T`` with ``A = I - K H`` and ``T = A P``: the same products in an order that
     costs n^2 m instead of n^3.
     """
-    T, TH, KR = work.A, work.TH, work.KR
+    T, TH, KR, KT = work.A, work.TH, work.KR, work.HP
     n, m = K.shape
-    reduce_covariance(P, K, H, work.HP, T)
+    reduce_covariance(P, K, work.HP, T)
     times_transposed(T, H, TH)
     multiply_sparse(K, R, KR)
     for i in range(n):
         for j in range(m):
             KR[i, j] -= TH[i, j]
+    transpose(K, KT)
+    add_product(1.0, KR, KT, T)
     for i in range(n):
         for j in range(i + 1):
-            total = T[i, j]
-            for k in range(m):
-                total += KR[i, k] * K[j, k]
-            P[i, j] = P[j, i] = total
+            P[i, j] = P[j, i] = T[i, j]
     if correlated:
         subtract_correlation(K, H, C, TH, P)
 
@@ -257,7 +270,9 @@ def update_error(P, innovation, H, R, R_fixed, C, correlated, weights, work):
     K, S, L, white, R_bar = work.K, work.S, work.L, work.white, work.R
     if not (kept_innovation(innovation, weights, white) and weighted_noise(R, R_fixed, weights, R_bar)):
         return np.nan
-    innovation_covariance(P, H, R_bar, C, correlated, weights, K, S)
+    multiply(H, P, work.HP)
+    kept_transpose(work.HP, weights, K)
+    project_correlated(H, R_bar, C, correlated, weights, K, S)
     if not cholesky(S, L):
         return np.nan
     nis = whitened_square(L, white)
@@ -265,7 +280,7 @@ def update_error(P, innovation, H, R, R_fixed, C, correlated, weights, work):
         return np.nan
     weighted_gain(L, work.gain_factor, K)  # (23), (36) imani2026
     correction(K, innovation, weights, work.shift)  # (24), (38) imani2026
-    joseph(P, K, H, R_bar, C, correlated, work)  # (25), (37) imani2026
+    joseph_projected(P, K, H, R_bar, C, correlated, work)  # (25), (37) imani2026
     mark_removed(weights, S, L)
     return nis
 

@@ -129,7 +129,7 @@ def strapdown(dt: float, earth: Earth, noise, transient=None, time_constant: flo
     if noise.shape != (expected,):
         raise ValueError(f"the process noise has shape {noise.shape}, not ({expected},)")
     vectors, square = [np.zeros(size) for size in (3, 3, 3, 4, 4, 4, 3)], [np.zeros((3, 3)) for _ in range(5)]
-    scratch = Scratch(*vectors, *square, np.zeros((AUGMENTED_ERRORS, 6)))
+    scratch = Scratch(*vectors, *square, np.zeros((BA, 6)))
     variance = np.array(transient, float) if augmented else np.zeros(6)
     return Strapdown(float(dt), augmented, float(np.exp(-dt / time_constant)), earth, noise, variance, scratch)
 
@@ -226,7 +226,7 @@ def times_cross(A, a, scale, out):
 
 @kernel
 def motion_jacobian(model, G):
-    """Derivative of the step's errors of r, v and theta with respect to f and omega, rows 0..8 of `G` ``(n, 6)``.
+    """Derivative of the step's errors of r, v and theta with respect to f and omega, `G` ``(9, 6)``.
 
     Leaves ``exp([omega dt/2 x])`` in ``scratch.B`` and ``-dt C_middle [f x]`` in ``scratch.CS``.
     """
@@ -312,17 +312,17 @@ def linearise_strapdown(model, x, u, F, Q):
 @kernel
 def transient_jacobian(model, F, Q):
     """Columns of the transients in F, and their noise in Q: what the new transient moves, its noise moves as well."""
-    G = model.scratch.G
-    for i in range(9, AUGMENTED_ERRORS):
-        for j in range(6):
-            G[i, j] = 1.0 if i == XF + j else 0.0
+    G, variance = model.scratch.G, model.transient
     for j in range(6):
-        for i in range(AUGMENTED_ERRORS):
-            if G[i, j] != 0.0:
-                F[i, XF + j] = model.decay * G[i, j]
-                for k in range(i + 1):
-                    Q[i, k] += G[i, j] * model.transient[j] * G[k, j]
-    for i in range(AUGMENTED_ERRORS):
+        for i in range(BA):
+            moved = G[i, j] * variance[j]
+            F[i, XF + j] = model.decay * G[i, j]
+            Q[i, XF + j] = Q[XF + j, i] = moved
+            for k in range(i + 1):
+                Q[i, k] += moved * G[k, j]
+        F[XF + j, XF + j] = model.decay
+        Q[XF + j, XF + j] += variance[j]
+    for i in range(BA):
         for k in range(i):
             Q[k, i] = Q[i, k]
 
