@@ -1,4 +1,4 @@
-"""The vehicle that all peers of the benchmark filter: an odometer, a vertical gyro and satellite fixes.
+"""The vehicle of nine states that the peers of the benchmark filter: an odometer, a vertical gyro and satellite fixes.
 
 State ``[N E U vE vN vU azimuth bias scale]``: position north, east, up (m), velocity east, north, up (m/s),
 azimuth clockwise from north (rad), gyro bias (rad/s), scale error of the odometer (1). Inputs
@@ -16,11 +16,11 @@ on a flat earth.
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from robins.foundation.randomness import stream
+from robins.foundation.smallmat import kernel
 from robins.kalman.extension import implements
-from robins.kalman.model import Sensor, linear_sensor, linearise, propagate
+from robins.kalman.model import linear_sensor, linearise, propagate
 
 STATES, CHANNELS, INPUTS = 9, 6, 3
 N, E, U, VE, VN, VU, AZIMUTH, BIAS, SCALE = range(STATES)
@@ -36,7 +36,7 @@ class Vehicle(NamedTuple):
 
 
 @implements(propagate, Vehicle)
-@njit(cache=True)
+@kernel
 def propagate_vehicle(model, x, u):
     x[N] += model.dt * x[VN]
     x[E] += model.dt * x[VE]
@@ -52,11 +52,11 @@ def propagate_vehicle(model, x, u):
 
 
 @implements(linearise, Vehicle)
-@njit(cache=True)
+@kernel
 def linearise_vehicle(model, x, u, F, Q):
-    F[:] = 0.0
-    Q[:] = 0.0
     for i in range(x.size):
+        for j in range(x.size):
+            F[i, j] = Q[i, j] = 0.0
         Q[i, i] = model.noise[i]
     F[N, N] = F[E, E] = F[U, U] = F[AZIMUTH, AZIMUTH] = 1.0
     F[N, VN] = F[E, VE] = F[U, VU] = model.dt
@@ -71,18 +71,17 @@ def linearise_vehicle(model, x, u, F, Q):
 
 
 class Drive(NamedTuple):
-    """A simulated drive of K epochs and the filter's settings for it.
+    """A simulated drive of K epochs and the filter's settings for it, with s numbers in the state and n in its error.
 
     Attributes
     ----------
-    model : Vehicle
-    sensor : Sensor
-    x0, P0 : ndarray, shapes (9,) and (9, 9)
-    controls, measurements, truth : ndarray, shapes (K, 3), (K, 6) and (K, 9)
+    model, sensor : NamedTuple
+    x0, P0 : ndarray, shapes (s,) and (n, n)
+    controls, measurements, truth : ndarray, shapes (K, l), (K, m) and (K, s)
     """
 
-    model: Vehicle
-    sensor: Sensor
+    model: NamedTuple
+    sensor: NamedTuple
     x0: np.ndarray
     P0: np.ndarray
     controls: np.ndarray

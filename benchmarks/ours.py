@@ -3,33 +3,33 @@
 import numpy as np
 from numba import njit
 
-from benchmarks.models import CHANNELS, STATES, Drive
+from benchmarks.models import Drive
 from robins.kalman.filter import Record, run_filter
-from robins.kalman.model import linearise_observation, observe
+from robins.kalman.model import linearise_observation, observe, retract
 from robins.kalman.predict import Ekf, predict
 from robins.kalman.tuning import matching
-from robins.kalman.update import update, workspace
+from robins.kalman.update import update_error, workspace
 from robins.kalman.weights import Weighting, weighting
 
 WINDOW = 20
 
 
-def weightings() -> dict[str, Weighting]:
+def weightings(channels: int = 6) -> dict[str, Weighting]:
     """The weights that are timed: none, and covariance matching over `WINDOW` innovations."""
-    return {"unit weights": weighting("unit"), "covariance matching": matching(WINDOW, CHANNELS)}
+    return {"unit weights": weighting("unit"), "covariance matching": matching(WINDOW, channels)}
 
 
 def run_ours(drive: Drive, weights: Weighting) -> Record:
     """Filter the whole drive with `robins.kalman.filter.run_filter`."""
     valid = np.ones(len(drive.controls), bool)
     return run_filter(Ekf(), drive.model, drive.sensor, weights, drive.x0[None], drive.P0, drive.controls, drive.measurements[None],
-                      valid, STATES, False)  # fmt: skip
+                      valid, drive.x0.size, False)  # fmt: skip
 
 
 def run_whole(drive: Drive) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """States ``(K, 9)``, covariances ``(K, 9, 9)`` and NIS ``(K,)`` after each update with unit weights."""
+    """States ``(K, s)``, covariances ``(K, n, n)`` and NIS ``(K,)`` after each update with unit weights."""
     epochs = len(drive.controls)
-    states, covariances, nis = np.empty((epochs, STATES)), np.empty((epochs, STATES, STATES)), np.empty(epochs)
+    states, covariances, nis = np.empty((epochs, drive.x0.size)), np.empty((epochs, *drive.P0.shape)), np.empty(epochs)
     compose(
         Ekf(), drive.model, drive.sensor, drive.x0.copy(), drive.P0.copy(), drive.controls, drive.measurements, states, covariances, nis
     )
@@ -38,17 +38,19 @@ def run_whole(drive: Drive) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 @njit
 def compose(predictor, model, sensor, x, P, controls, measurements, states, covariances, nis):
-    """The same two calls for each epoch as in `run_filter`, without its record."""
-    m = measurements.shape[1]
-    work, weights, predicted = workspace(x.size, m), np.ones(m), np.empty(m)
+    """The same calls for each epoch as in `run_filter`, without its record."""
+    n, m = P.shape[0], measurements.shape[1]
+    work, weights, predicted = workspace(n, m), np.ones(m), np.empty(m)
     for k in range(measurements.shape[0]):
         linearise_observation(sensor, x, controls[k], work.H)
         observe(sensor, x, controls[k], predicted)
         for j in range(m):
             work.innovation[j] = measurements[k, j] - predicted[j]
-        nis[k] = update(x, P, work.innovation, work.H, sensor.R, sensor.R_fixed, sensor.C_update, False, weights, work)
+        nis[k] = update_error(P, work.innovation, work.H, sensor.R, sensor.R_fixed, sensor.C_update, False, weights, work)
+        retract(model, x, work.shift)
         for i in range(x.size):
             states[k, i] = x[i]
-            for j in range(x.size):
+        for i in range(n):
+            for j in range(n):
                 covariances[k, i, j] = P[i, j]
         predict(predictor, model, x, P, controls[k], work)

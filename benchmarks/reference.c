@@ -2,49 +2,19 @@
 
    The same algorithm in the same order: update (S and its Cholesky factor, gain, Joseph form), then prediction
    (Jacobian, F P F^T + Q), with only half of a symmetric product computed. The sizes are constants, so the compiler
-   unrolls and vectorises (-O3 -march=native); zeros are skipped only where that is faster than vectors. */
+   unrolls and vectorises (-O3 -march=native); zeros are skipped only where that is faster than vectors.
+
+   MODEL names the header with the system, to be included: it defines the numbers n of errors, s of states, m of
+   measurements and l of inputs, the struct Model, and propagate, linearise, observe, linearise_observation, retract. */
 
 #include <math.h>
 #include <string.h>
 
-enum { n = 9, m = 6, l = 3 };
-enum { N, E, U, VE, VN, VU, AZIMUTH, BIAS, SCALE };
-
-typedef struct {
-    double dt, bias_decay, scale_decay, noise[n];
-} Vehicle;
-
-static void propagate(const Vehicle *v, double *x, const double *u) {
-    x[N] += v->dt * x[VN];
-    x[E] += v->dt * x[VE];
-    x[U] += v->dt * x[VU];
-    double speed = (1.0 + x[SCALE]) * u[0], level = speed * cos(u[2]);
-    x[VE] = level * sin(x[AZIMUTH]);
-    x[VN] = level * cos(x[AZIMUTH]);
-    x[VU] = speed * sin(u[2]);
-    x[AZIMUTH] += v->dt * (u[1] - x[BIAS]);
-    x[BIAS] *= v->bias_decay;
-    x[SCALE] *= v->scale_decay;
-}
-
-static void linearise(const Vehicle *v, const double *x, const double *u, double F[n][n], double Q[n][n]) {
-    memset(F, 0, sizeof(double) * n * n);
-    memset(Q, 0, sizeof(double) * n * n);
-    for (int i = 0; i < n; i++) Q[i][i] = v->noise[i];
-    F[N][N] = F[E][E] = F[U][U] = F[AZIMUTH][AZIMUTH] = 1.0;
-    F[N][VN] = F[E][VE] = F[U][VU] = v->dt;
-    double sine = sin(x[AZIMUTH]), cosine = cos(x[AZIMUTH]);
-    double per_scale = u[0] * cos(u[2]), level = (1.0 + x[SCALE]) * per_scale;
-    F[VE][AZIMUTH] = level * cosine, F[VE][SCALE] = per_scale * sine;
-    F[VN][AZIMUTH] = -level * sine, F[VN][SCALE] = per_scale * cosine;
-    F[VU][SCALE] = u[0] * sin(u[2]);
-    F[AZIMUTH][BIAS] = -v->dt;
-    F[BIAS][BIAS] = v->bias_decay, F[SCALE][SCALE] = v->scale_decay;
-}
+#include MODEL
 
 /* out = A B, skipping zeros of A */
-static void multiply(const double A[n][n], const double B[n][n], double out[n][n]) {
-    for (int i = 0; i < n; i++) {
+static void multiply(int rows, const double A[][n], const double B[n][n], double out[][n]) {
+    for (int i = 0; i < rows; i++) {
         double row[n] = {0};
         for (int k = 0; k < n; k++)
             if (A[i][k] != 0.0)
@@ -53,24 +23,22 @@ static void multiply(const double A[n][n], const double B[n][n], double out[n][n
     }
 }
 
-/* out = T A^T, symmetric: upper half, then mirrored */
-static void congruence(const double T[n][n], const double A[n][n], double out[n][n]) {
+/* out = A T^T + Q, symmetric: T is transposed, so that whole rows are added up, skipping zeros of A */
+static void congruence(const double T[n][n], const double A[n][n], const double Q[n][n], double out[n][n]) {
+    double turned[n][n];
     for (int i = 0; i < n; i++)
-        for (int j = i; j < n; j++) {
-            double total = 0.0;
-            for (int k = 0; k < n; k++) total += T[i][k] * A[j][k];
-            out[i][j] = out[j][i] = total;
-        }
+        for (int j = 0; j < n; j++) turned[j][i] = T[i][j];
+    multiply(n, A, turned, out);
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j <= i; j++) out[i][j] = out[j][i] = out[i][j] + Q[i][j];
 }
 
-static void predict(const Vehicle *v, double *x, double P[n][n], const double *u) {
+static void predict(const Model *model, double *x, double P[n][n], const double *u) {
     double F[n][n], Q[n][n], FP[n][n];
-    linearise(v, x, u, F, Q);
-    propagate(v, x, u);
-    multiply(F, P, FP);
-    congruence(FP, F, P);
-    for (int i = 0; i < n; i++)
-        for (int j = 0; j < n; j++) P[i][j] += Q[i][j];
+    linearise(model, x, u, F, Q);
+    propagate(model, x, u);
+    multiply(n, F, P, FP);
+    congruence(FP, F, Q, P);
 }
 
 static int cholesky(const double S[m][m], double L[m][m]) {
@@ -89,62 +57,63 @@ static int cholesky(const double S[m][m], double L[m][m]) {
     return 1;
 }
 
-/* Posterior covariance (I - K H) P (I - K H)^T + K R K^T in place */
-static void joseph(double P[n][n], const double K[n][m], const double H[m][n], const double R[m][m]) {
-    double A[n][n], AP[n][n], KR[n][m];
+/* Posterior covariance (I - K H) P (I - K H)^T + K R K^T = T + (K R - T H^T) K^T, T = P - K (H P), in place; K transposed */
+static void joseph(double P[n][n], const double K[m][n], const double HP[m][n], const double H[m][n], const double R[m][m]) {
+    double T[n][n], W[m][n];
     for (int i = 0; i < n; i++) {
-        double row[n] = {0};
-        row[i] = 1.0;
-        for (int k = 0; k < m; k++)
-            for (int j = 0; j < n; j++) row[j] -= K[i][k] * H[k][j];
-        memcpy(A[i], row, sizeof row);
+        double row[n];
+        memcpy(row, P[i], sizeof row);
+        for (int a = 0; a < m; a++)
+            for (int j = 0; j < n; j++) row[j] -= K[a][i] * HP[a][j];
+        memcpy(T[i], row, sizeof row);
     }
-    multiply(A, P, AP);
-    congruence(AP, A, P);
+    for (int a = 0; a < m; a++) {
+        double row[n] = {0};
+        for (int b = 0; b < m; b++)
+            for (int i = 0; i < n; i++) row[i] += R[a][b] * K[b][i];
+        for (int k = 0; k < n; k++)
+            if (H[a][k] != 0.0)
+                for (int i = 0; i < n; i++) row[i] -= T[i][k] * H[a][k];
+        memcpy(W[a], row, sizeof row);
+    }
+    for (int i = 0; i < n; i++) {
+        double row[n];
+        memcpy(row, T[i], sizeof row);
+        for (int a = 0; a < m; a++)
+            for (int j = 0; j < n; j++) row[j] += W[a][i] * K[a][j];
+        memcpy(T[i], row, sizeof row);
+    }
     for (int i = 0; i < n; i++)
-        for (int j = 0; j < m; j++) {
-            double total = 0.0;
-            for (int k = 0; k < m; k++) total += K[i][k] * R[k][j];
-            KR[i][j] = total;
-        }
-    for (int i = 0; i < n; i++)
-        for (int j = i; j < n; j++) {
-            double total = P[i][j];
-            for (int k = 0; k < m; k++) total += KR[i][k] * K[j][k];
-            P[i][j] = P[j][i] = total;
-        }
+        for (int j = 0; j <= i; j++) P[i][j] = P[j][i] = T[i][j];
 }
 
-/* Update x and P; returns the normalised innovation squared, NaN when S is not positive definite */
-static double update(double *x, double P[n][n], const double *innovation, const double H[m][n], const double R[m][m],
-                     const double *weights) {
-    double weighted[m][m], PH[n][m], S[m][m], L[m][m], white[m], nis = 0.0;
+/* Update P and find the error of the state; returns the normalised innovation squared, NaN when S is not positive definite */
+static double update(double P[n][n], const double *innovation, const double H[m][n], const double R[m][m], const double *weights,
+                     double *error) {
+    double weighted[m][m], HP[m][n], K[m][n], S[m][m], L[m][m], white[m], nis = 0.0;
     memcpy(weighted, R, sizeof weighted);
     for (int i = 0; i < m; i++) weighted[i][i] = R[i][i] / weights[i];
-    for (int i = 0; i < n; i++)
-        for (int j = 0; j < m; j++) {
-            double total = 0.0;
-            for (int k = 0; k < n; k++) total += P[i][k] * H[j][k];
-            PH[i][j] = total;
-        }
+    multiply(m, H, P, HP);
     for (int a = 0; a < m; a++)
-        for (int b = a; b < m; b++) {
+        for (int b = 0; b <= a; b++) {
             double total = weighted[a][b];
-            for (int k = 0; k < n; k++) total += H[a][k] * PH[k][b];
+            for (int k = 0; k < n; k++)
+                if (H[b][k] != 0.0) total += HP[a][k] * H[b][k];
             S[a][b] = S[b][a] = total;
         }
     if (!cholesky(S, L)) return NAN;
-    for (int r = 0; r < n; r++) { /* PH becomes the gain K = PH S^-1 */
-        for (int i = 0; i < m; i++) {
-            double total = PH[r][i];
-            for (int k = 0; k < i; k++) total -= L[i][k] * PH[r][k];
-            PH[r][i] = total / L[i][i];
-        }
-        for (int i = m - 1; i >= 0; i--) {
-            double total = PH[r][i];
-            for (int k = i + 1; k < m; k++) total -= L[k][i] * PH[r][k];
-            PH[r][i] = total / L[i][i];
-        }
+    memcpy(K, HP, sizeof K);
+    for (int i = 0; i < m; i++) { /* K becomes S^-1 H P, the gain transposed */
+        for (int k = 0; k < i; k++)
+            for (int r = 0; r < n; r++) K[i][r] -= L[i][k] * K[k][r];
+        double inverse = 1.0 / L[i][i];
+        for (int r = 0; r < n; r++) K[i][r] *= inverse;
+    }
+    for (int i = m - 1; i >= 0; i--) {
+        for (int k = i + 1; k < m; k++)
+            for (int r = 0; r < n; r++) K[i][r] -= L[k][i] * K[k][r];
+        double inverse = 1.0 / L[i][i];
+        for (int r = 0; r < n; r++) K[i][r] *= inverse;
     }
     for (int i = 0; i < m; i++) {
         double total = innovation[i];
@@ -152,31 +121,33 @@ static double update(double *x, double P[n][n], const double *innovation, const 
         white[i] = total / L[i][i];
         nis += white[i] * white[i];
     }
-    for (int i = 0; i < n; i++)
-        for (int k = 0; k < m; k++) x[i] += PH[i][k] * innovation[k];
-    joseph(P, PH, H, weighted);
+    memset(error, 0, n * sizeof *error);
+    for (int a = 0; a < m; a++)
+        for (int i = 0; i < n; i++) error[i] += K[a][i] * innovation[a];
+    joseph(P, K, HP, H, weighted);
     return nis;
 }
 
 /* Filter `epochs` measurements; leaves each posterior state, its covariance and its NIS. Returns 0, or 1 + the epoch that failed. */
-long run_filter(const Vehicle *v, const double H[m][n], const double R[m][m], const double *x0, const double *P0,
-                const double *controls, const double *measurements, long epochs,
-                double *states, double *covariances, double *nis) {
-    double x[n], P[n][n], weights[m], innovation[m];
+long run_filter(const Model *model, const double R[m][m], const double *x0, const double *P0, const double *controls,
+                const double *measurements, long epochs, double *states, double *covariances, double *nis) {
+    double x[s], P[n][n], H[m][n], predicted[m], weights[m], innovation[m], error[n];
     memcpy(x, x0, sizeof x);
     memcpy(P, P0, sizeof P);
     for (long k = 0; k < epochs; k++) {
+        const double *u = controls + l * k;
+        linearise_observation(model, x, u, H);
+        observe(model, x, u, predicted);
         for (int i = 0; i < m; i++) {
-            double predicted = 0.0;
-            for (int j = 0; j < n; j++) predicted += H[i][j] * x[j];
-            innovation[i] = measurements[m * k + i] - predicted;
+            innovation[i] = measurements[m * k + i] - predicted[i];
             weights[i] = 1.0;
         }
-        nis[k] = update(x, P, innovation, H, R, weights);
+        nis[k] = update(P, innovation, H, R, weights, error);
         if (isnan(nis[k])) return 1 + k;
-        memcpy(states + n * k, x, sizeof x);
+        retract(model, x, error);
+        memcpy(states + s * k, x, sizeof x);
         memcpy(covariances + n * n * k, P, sizeof P);
-        if (k + 1 < epochs) predict(v, x, P, controls + l * k);
+        if (k + 1 < epochs) predict(model, x, P, u);
     }
     return 0;
 }

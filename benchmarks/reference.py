@@ -1,4 +1,4 @@
-"""`reference.c`, compiled into a temporary folder and called through ctypes."""
+"""`reference.c`, compiled for one system into a temporary folder and called through ctypes."""
 
 import ctypes
 import os
@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.models import STATES, Drive
+from benchmarks.models import Drive, Vehicle
 
 SOURCE = Path(__file__).with_name("reference.c")
 FLAGS = ("-O3", "-march=native", "-shared", "-fPIC")
@@ -21,10 +21,26 @@ def compiler() -> str | None:
     return next((found for name in (os.environ.get("CC"), "gcc", "cc") if name and (found := shutil.which(name))), None)
 
 
+def definitions(drive: Drive) -> tuple[str, ...]:
+    """The compiler's arguments that choose the system of `drive` and with it all sizes."""
+    if isinstance(drive.model, Vehicle):
+        return ('-DMODEL="vehicle.h"',)
+    return '-DMODEL="strapdown.h"', f"-DAUGMENTED={int(drive.model.augmented)}"
+
+
+def constants(drive: Drive) -> np.ndarray:
+    """The fields of the struct Model, in its order."""
+    model = drive.model
+    if isinstance(model, Vehicle):
+        return np.r_[model.dt, model.bias_decay, model.scale_decay, model.noise, drive.sensor.H.ravel()]
+    earth = model.earth
+    return np.r_[model.dt, model.decay, earth.gravity, earth.rate, earth.transport.ravel(), model.noise, model.transient]
+
+
 class Reference:
     """The compiled reference, ready to run over one drive; `run` allocates nothing.
 
-    After `run`: `states` ``(K, 9)``, `covariances` ``(K, 9, 9)`` and `nis` ``(K,)``, all after the update.
+    After `run`: `states` ``(K, s)``, `covariances` ``(K, n, n)`` and `nis` ``(K,)``, all after the update.
 
     Raises
     ------
@@ -38,20 +54,20 @@ class Reference:
             raise RuntimeError("no C compiler")
         with tempfile.TemporaryDirectory() as folder:
             library = Path(folder) / "reference.so"
-            made = subprocess.run([command, *FLAGS, str(SOURCE), "-lm", "-o", str(library)], capture_output=True, text=True)
+            line = [command, *FLAGS, *definitions(drive), str(SOURCE), "-lm", "-o", str(library)]
+            made = subprocess.run(line, capture_output=True, text=True)
             if made.returncode:
                 raise RuntimeError(f"{command} failed: {made.stderr.strip().splitlines()[-1]}")
             self._function = ctypes.CDLL(str(library)).run_filter
         self._function.restype = ctypes.c_long
-        model, epochs = drive.model, len(drive.controls)
-        vehicle = np.array([model.dt, model.bias_decay, model.scale_decay, *model.noise])
-        inputs = (vehicle, drive.sensor.H, drive.sensor.R, drive.x0, drive.P0, drive.controls, drive.measurements)
+        inputs = (constants(drive), drive.sensor.R, drive.x0, drive.P0, drive.controls, drive.measurements)
         self._inputs = [np.ascontiguousarray(array, float) for array in inputs]
-        self.states, self.nis = np.empty((epochs, STATES)), np.empty(epochs)
-        self.covariances = np.empty((epochs, STATES, STATES))
+        epochs = len(drive.controls)
+        self.states, self.nis = np.empty((epochs, drive.x0.size)), np.empty(epochs)
+        self.covariances = np.empty((epochs, *drive.P0.shape))
         outputs = (self.states, self.covariances, self.nis)
         pointers = [array.ctypes.data_as(POINTER) for array in (*self._inputs, *outputs)]
-        self._arguments = (*pointers[:7], ctypes.c_long(epochs), *pointers[7:])
+        self._arguments = (*pointers[:6], ctypes.c_long(epochs), *pointers[6:])
 
     def run(self) -> None:
         """Filter the whole drive."""

@@ -4,16 +4,16 @@ import numpy as np
 import pytest
 
 from benchmarks import ours, peers, reference
-from benchmarks.__main__ import AGREEMENT, agreement
-from benchmarks.models import CHANNELS, drive
+from benchmarks.__main__ import AGREEMENT, CASES, agreement
+from benchmarks.models import CHANNELS
 
 pytestmark = pytest.mark.slow
 EPOCHS = 400
 
 
-@pytest.fixture(scope="module")
-def recorded():
-    return drive(EPOCHS)
+@pytest.fixture(scope="module", params=CASES)
+def recorded(request):
+    return CASES[request.param](EPOCHS)
 
 
 @pytest.fixture(scope="module")

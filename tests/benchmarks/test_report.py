@@ -57,7 +57,7 @@ def test_too_few_rounds_are_refused(capsys):
 
 def test_a_missing_peer_says_why(capsys):
     each = {"unit weights": np.array([1e-3]), "filterpy": np.array([2e-2])}
-    entry.show_steps(each, {"unit weights": {"filterpy": ratio(each, "unit weights", "filterpy")}}, "no C compiler")
+    entry.show_steps("9 states", each, {"unit weights": {"filterpy": ratio(each, "unit weights", "filterpy")}}, "no C compiler")
     printed = capsys.readouterr().out
     assert "not measured: no C compiler" in printed and "against filterpy: 1/20.0" in printed and "against C" not in printed
 
@@ -65,19 +65,29 @@ def test_a_missing_peer_says_why(capsys):
 def test_a_record_is_written_only_on_demand(tmp_path, monkeypatch):
     monkeypatch.setattr(entry, "ROOT", tmp_path)
     monkeypatch.setattr(entry, "measure_steps", lambda rounds: {"rounds": rounds})
+    monkeypatch.setattr(entry, "measure_run", lambda rounds: {})
     monkeypatch.setattr(entry, "measure_system", lambda: {})
     (tmp_path / "benchmarks").mkdir()
     entry.main([])
     assert not list(tmp_path.rglob("*.json"))
     entry.main(["--record", "quiet", "--rounds", "9"])
     written = json.loads((tmp_path / "benchmarks" / "records" / "quiet.json").read_text())
-    assert written["step"] == {"rounds": 9} and written["machine"]["numba"]
+    assert written["steps"] == {"rounds": 9} and written["machine"]["numba"]
+
+
+def test_a_ratio_without_a_goal_is_shown_and_not_judged(capsys):
+    each = {"unit weights": np.array([1e-3]), "filterpy": np.array([2e-2]), "C": np.array([1e-3])}
+    ratios = {"unit weights": {peer: ratio(each, "unit weights", peer) for peer in ("filterpy", "C")}}
+    entry.show_steps("21 error states", each, ratios, "")
+    printed = capsys.readouterr().out
+    assert "1/20.0" in printed and "against C: 1.00" in printed and "against filterpy" not in printed
 
 
 @pytest.mark.parametrize(("load", "warned"), [(0.1, False), (1.7, True), (None, False)])
 def test_a_busy_machine_is_called_so(load, warned, monkeypatch, capsys):
     monkeypatch.setattr(system, "machine", lambda: {"load": load})
     monkeypatch.setattr(entry, "measure_steps", lambda rounds: {})
+    monkeypatch.setattr(entry, "measure_run", lambda rounds: {})
     monkeypatch.setattr(entry, "measure_system", lambda: {})
     entry.main([])
     assert ("flatter us" in capsys.readouterr().out) is warned
