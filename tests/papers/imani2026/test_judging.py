@@ -108,7 +108,7 @@ def test_a_row_without_an_interval_says_failed():
 
 def test_channels_that_disagree_depend_and_are_named():
     verdict, reason = combine_many({"V_e": ABOVE, "V_n": ABOVE, "V_u": BELOW})
-    assert verdict == Verdict.DEPENDS and reason == "2 of 3 direction only; 1 not replicated (V_u)."
+    assert verdict == Verdict.DEPENDS and reason == "2 of 3 direction only, 1 not replicated (V_u)."
 
 
 def test_holm_is_taken_over_twelve_channels_whichever_are_asked_for():

@@ -293,8 +293,8 @@ def combine_many(verdicts: Mapping[str, str]) -> tuple[Verdict, str]:
     parts = {word: [name for name, found in verdicts.items() if found == word] for word in dict.fromkeys(verdicts.values())}
     commonest, *rest = sorted(parts, key=lambda word: -len(parts[word]))
     told = [f"{len(parts[commonest])} of {len(verdicts)} {commonest}"]
-    told += [f"{len(parts[word])} {word} ({', '.join(parts[word])})" for word in rest]
-    return verdict, f"{'; '.join(told)}."
+    told += [f"{len(parts[word])} {word} ({'; '.join(parts[word])})" for word in rest]
+    return verdict, f"{', '.join(told)}."
 
 
 def ends(low: float, high: float) -> tuple[float | str, float | str]:
