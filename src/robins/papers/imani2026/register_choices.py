@@ -43,9 +43,9 @@ CHOICES = (
     Assumption(
         "S6",
         "assumption",
-        r"(22) has three readings: as printed per step; `printed_dt` with $\sigma_v^2\Delta t^2$ and the other variances times $\Delta t$; "
+        r"(22) has three readings: as printed per step; `printed-dt` with $\sigma_v^2\Delta t^2$ and the other variances times $\Delta t$; "
         "`tuned` for the formulation.",
-        "F0 uses `printed_dt`, F1 and F2 use `tuned`. In the error state the deviation of an attitude angle is twice that of a quaternion "
+        "F0 uses `printed-dt`, F1 and F2 use `tuned`. In the error state the deviation of an attitude angle is twice that of a quaternion "
         "component.",
     ),
     Assumption(
