@@ -17,7 +17,7 @@ _ERRATA = (
         "erratum",
         r"(5) and (14) leave out the rotation of the navigation frame, $[\omega_{in}^n\times]C_b^n$.",
         r"$7.3\times 10^{-5}$ rad/s over 330 s is 1.4 deg, more than the effects that the sensors are praised for. It is included; the "
-        "ablation "omega_in left out" of `extra-ablations` leaves it out.",
+        "ablation *omega_in left out* in `extra-ablations` leaves it out.",
     ),
     Assumption(
         "E2",
@@ -78,7 +78,7 @@ _ERRATA = (
         "E10",
         "erratum",
         "Section 5 reports an excess kurtosis of 19.91 and compares it with 3, the kurtosis of a Gaussian; its excess kurtosis is 0.",
-        "The number is taken as excess kurtosis. Read as kurtosis it would be an excess of 16.91, which is run once.",
+        "The number is taken as excess kurtosis. Read as kurtosis it would be an excess of 16.91, which is an ablation.",
     ),
     Assumption(
         "E11",
