@@ -1,6 +1,6 @@
 """What the measurements can say about each formulation's states, whatever filter reads them (proposition 2 of the register).
 
-The information matrix ``sum_k (H_k Phi_k)^T (H_k Phi_k)`` along the true drive, prior excluded, with rows in units of the noise
+The information matrix ``sum_k (H_k Phi_k)^T (H_k Phi_k)`` along the drive, prior excluded, with rows in units of the noise
 and columns in units of a plausible error. Its rank counts the directions of the initial error that are seen at all.
 """
 
@@ -11,8 +11,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from robins.navigation.inertial_sensor import linearise_inertial
-from robins.navigation.strapdown import FORCE, Q0, RATE, R, V, linearise_strapdown
-from robins.papers.imani2026.drive import Drive
+from robins.navigation.strapdown import FORCE, Q0, RATE, linearise_strapdown, local_earth, propagate_strapdown
+from robins.papers.imani2026.drive import GRAVITY, LATITUDE, Drive
 from robins.papers.imani2026.formulations import Formulation, formulation
 from robins.papers.imani2026.sensors import Sensors
 
@@ -24,41 +24,30 @@ SHORT_TIME_CONSTANT = 2.0
 """tau of the transients [s] in the brief's check; the filter's own is longer."""
 
 
-def true_states(form: Formulation, driven: Drive) -> np.ndarray:
-    """States of a formulation along the drive, shape (N+1, n), without biases; transients by (8), (9)."""
-    states = np.zeros((driven.time.size, 22 if form.model.augmented else 16))
-    states[:, R : R + 3], states[:, V : V + 3] = driven.position, driven.velocity_n
-    states[:, Q0 : Q0 + 4] = driven.quaternion
-    if form.model.augmented:
-        to_body = Rotation.from_quat(driven.quaternion, scalar_first=True).inv()
-        states[:, FORCE : FORCE + 3] = driven.specific_force_b + to_body.apply(form.model.earth.gravity)
-        states[:, RATE : RATE + 3] = driven.rate_b - to_body.apply(form.model.earth.rate)
-    return states
-
-
-def perfect_controls(form: Formulation, driven: Drive) -> np.ndarray:
-    """What drives the model along the drive, shape (N+1, 12), as `robins.papers.imani2026.formulations.controls` has it."""
-    inputs = np.zeros((driven.time.size, 12))
-    if not form.model.augmented:
-        perfect = np.hstack([driven.specific_force_interval, driven.rate_interval])
-        inputs[:-1, :6], inputs[1:, 6:] = perfect, perfect
-    return inputs
-
-
 def information(form: Formulation, driven: Drive, sensors: Sensors) -> np.ndarray:
-    """The scaled information matrix of the initial error, shape (n, n)."""
-    states, inputs = true_states(form, driven), perfect_controls(form, driven)
-    n = len(form.P0)
-    units = np.repeat(list(UNITS.values()), 3)[:n]
-    noise = sensors.noise_sd(driven.rate_hz)
+    """The scaled information matrix of the initial error, shape (n, n).
+
+    F and H are taken along the drive as the model itself makes it of perfect samples. Along the truth they would disagree by
+    what a step leaves out, and that would look like information.
+    """
+    n, model = len(form.P0), form.model
+    units, noise = np.repeat(list(UNITS.values()), 3)[:n], sensors.noise_sd(driven.rate_hz)
     F, Q, H = np.zeros((n, n)), np.zeros((n, n)), np.zeros((6, n))
     transition, total = np.eye(n), np.zeros((n, n))
-    for k in range(driven.time.size - 1):
-        linearise_strapdown(form.model, states[k], inputs[k], F, Q)
-        transition = F @ transition
-        linearise_inertial(form.sensor, states[k + 1], inputs[k + 1], H)
+    x, u = np.zeros(n + 1), np.zeros(12)
+    x[Q0 : Q0 + 4] = driven.quaternion[0]
+    for k, sample in enumerate(np.hstack([driven.specific_force_interval, driven.rate_interval])):
+        linearise_inertial(form.sensor, x, u, H)
         rows = (H @ transition) * units / noise[:, None]
         total += rows.T @ rows
+        u[:6] = sample
+        if model.augmented:  # the transients that this step turns into those of its interval
+            to_body = Rotation.from_quat(x[Q0 : Q0 + 4], scalar_first=True).inv()
+            x[FORCE : FORCE + 3] = to_body.apply(driven.acceleration_n_interval[k]) / model.decay
+            x[RATE : RATE + 3] = to_body.apply(driven.rate_n_interval[k]) / model.decay
+        linearise_strapdown(model, x, u, F, Q)
+        propagate_strapdown(model, x, u)
+        transition = F @ transition
     return total
 
 
@@ -69,10 +58,14 @@ def ranks(matrix: np.ndarray) -> dict[float, int]:
 
 
 def all_ranks(driven: Drive, sensors: Sensors) -> dict[str, tuple[dict[float, int], int]]:
-    """`ranks` and number of states by formulation; F1 with a short time constant and with its own."""
-    found = {}
+    """`ranks` and number of states by formulation; F1 with a short time constant and with its own.
+
+    Transport rate aside, which shows a trace of velocity.
+    """
+    found, earth = {}, local_earth(LATITUDE, GRAVITY)
+    earth = earth._replace(transport=np.zeros_like(earth.transport))
     for name in ("F0", "F1", "F2"):
-        form = formulation(name, driven.rate_hz, sensors)
+        form = formulation(name, driven.rate_hz, sensors, earth=earth)
         versions = {name: form}
         if name == "F1":
             short = form._replace(model=form.model._replace(decay=float(np.exp(-form.model.dt / SHORT_TIME_CONSTANT))))
