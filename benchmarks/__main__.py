@@ -160,9 +160,10 @@ def measure_system() -> dict:
         f"\nfirst result of a second process    {first:.2f} s (at most {FIRST_RESULT_GOAL:g} s): {verdict(first, FIRST_RESULT_GOAL, 1.0)}"
     )
     spent = system.core_seconds(ROOT / "build" / "standard")
-    for paper, total in spent.items():
-        goal = CORE_SECONDS_GOALS.get(paper, np.inf)
+    for paper, stages in spent.items():
+        total, goal = sum(stages.values()), CORE_SECONDS_GOALS.get(paper, np.inf)
         print(f"standard ensemble of {paper:15}{total:.0f} core-seconds (at most {goal:g}): {verdict(total, goal, goal)}")
+        print("  " + ", ".join(f"{stage} {seconds:.0f}" for stage, seconds in sorted(stages.items(), key=lambda item: -item[1])))
     if not spent:
         print("standard ensembles                  nothing noted in build/standard/benchmarks: run snakemake first")
     return {"first_result_seconds": first, "core_seconds": spent}

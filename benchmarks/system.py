@@ -11,6 +11,7 @@ from pathlib import Path
 import pandas as pd
 
 from benchmarks.reference import compiler
+from robins.papers import all_papers
 
 FIRST_RESULT = """
 import numpy as np
@@ -38,13 +39,20 @@ def first_result(repeats: int = 3) -> float:
     return min(seconds[1:])
 
 
-def core_seconds(build: Path) -> dict[str, float]:
-    """Processor seconds of all filters and studies of each paper, from what Snakemake noted in ``<build>/benchmarks``."""
-    total = {}
+def core_seconds(build: Path) -> dict[str, dict[str, float]]:
+    """Processor seconds of each paper by stage, from what Snakemake noted in ``<build>/benchmarks``.
+
+    A stage is ``variants``, or the first word of a study's name (``tuning``, ``sweep`` ...).
+    """
+    papers, spent = all_papers(), {}
     for folder in sorted(path for path in (build / "benchmarks").glob("*") if path.is_dir()):
-        jobs = pd.concat(pd.read_csv(file, sep="\t", na_values="-") for file in sorted(folder.glob("*.tsv")))
-        total[folder.name] = float(jobs["cpu_time"].fillna(jobs["s"]).sum())
-    return total
+        variants = {job.name for job in papers[folder.name].variants} if folder.name in papers else set()
+        stages = spent.setdefault(folder.name, {})
+        for file in sorted(folder.glob("*.tsv")):
+            job = pd.read_csv(file, sep="\t", na_values="-")
+            stage = "variants" if file.stem in variants else file.stem.split("-")[0]
+            stages[stage] = stages.get(stage, 0.0) + float(job["cpu_time"].fillna(job["s"]).sum())
+    return spent
 
 
 def machine() -> dict[str, object]:

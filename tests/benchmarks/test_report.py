@@ -30,7 +30,7 @@ def test_core_seconds_add_up_for_each_paper(tmp_path):
     header = "s\th:m:s\tmax_rss\tcpu_time\n"
     (folder / "one.tsv").write_text(header + "3.5\t0:00:03\t100.0\t2.5\n")
     (folder / "too-short-to-see.tsv").write_text(header + "0.25\t0:00:00\tNA\tNA\n")
-    assert system.core_seconds(tmp_path) == {"toy2024": 2.75}
+    assert system.core_seconds(tmp_path) == {"toy2024": {"one": 2.5, "too": 0.25}}
     assert system.core_seconds(tmp_path / "elsewhere") == {}
 
 

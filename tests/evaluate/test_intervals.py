@@ -324,3 +324,46 @@ def test_holms_adjustment_by_hand():
 @settings(max_examples=30, deadline=None)
 def test_holms_adjustment_equals_that_of_statsmodels(p_values):
     np.testing.assert_allclose(holm(p_values), multipletests(p_values, method="holm")[1], rtol=1e-14)
+
+
+def test_with_few_runs_an_improvement_has_the_interval_of_students_t():
+    """With a denominator of one and errors near to one the log ratio is the mean less one: compare with scipy."""
+    rng = np.random.default_rng(4)
+    errors = 1.0 + 1e-4 * rng.standard_normal((6, 1))
+    ones, none = np.ones((6, 1)), np.zeros(6, bool)
+    found = ensemble_improvement(errors, ones, none, none, 1, multiplicities(rng, 6, 100))
+    interval = stats.ttest_1samp(errors[:, 0], 1.0).confidence_interval(0.95)
+    assert (found.low[0], found.high[0]) == pytest.approx((1.0 - interval.high, 1.0 - interval.low), abs=1e-7)
+
+
+def test_the_p_value_of_few_runs_counts_exchanges_as_scipy_does():
+    rng = np.random.default_rng(6)
+    above, below = rng.uniform(0.5, 2.0, (2, 7, 1))
+
+    def log_ratio(a, b, axis):
+        return np.log(np.mean(a, axis=axis) / np.mean(b, axis=axis))
+
+    expected = stats.permutation_test((above[:, 0], below[:, 0]), log_ratio, permutation_type="samples", n_resamples=np.inf)
+    found = ensemble_improvement(above, below, np.zeros(7, bool), np.zeros(7, bool), 1, np.ones((10, 7)))
+    assert found.p[0] == pytest.approx(expected.pvalue, rel=1e-12)
+
+
+def test_five_runs_can_never_exclude_chance_in_twelve_channels():
+    clear = np.full((5, 12), 0.1)
+    found = ensemble_improvement(clear, 10.0 * clear, np.zeros(5, bool), np.zeros(5, bool), 2, np.ones((10, 5)))
+    assert found.p == pytest.approx(np.full(12, 2 / 32)) and (holm(found.p) > 0.05).all()
+
+
+def test_twenty_equal_runs_are_seldom_called_different_in_any_of_twelve_channels():
+    rng, none = np.random.default_rng(5), np.zeros(20, bool)
+    counts, wrong = multiplicities(rng, 20, 50), 0
+    for _ in range(400):
+        above, below = rng.standard_normal((2, 20, 12)) ** 2 + 0.5
+        wrong += bool((holm(ensemble_improvement(above, below, none, none, 2, counts).p) <= 0.05).any())
+    assert wrong <= stats.binom.ppf(0.999, 400, 0.05)
+
+
+def test_few_runs_with_the_same_errors_show_no_difference():
+    errors, none = np.array([[1.0], [2.0], [3.0]]), np.zeros(3, bool)
+    found = ensemble_improvement(errors, errors, none, none, 2, np.ones((10, 3)))
+    assert (found.estimate[0], found.low[0], found.high[0], found.p[0]) == (0.0, 0.0, 0.0, 1.0)

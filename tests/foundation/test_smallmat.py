@@ -35,19 +35,21 @@ def test_products_are_those_of_numpy(n, inner, m, seed):
     np.testing.assert_allclose(vector, A @ x, **ROUNDING)
     smallmat.assign(A @ B, out)
     np.testing.assert_array_equal(out, A @ B)
-    smallmat.add_product(-2.0, A, B, out)
+    smallmat.add_product(out, -2.0, A, B, out)
     np.testing.assert_allclose(out, -A @ B, **ROUNDING)
-    turned = np.full((inner, n), np.nan)
-    smallmat.transpose(A, turned)
-    np.testing.assert_array_equal(turned, A.T)
+    base, columns = rng.normal(size=(n, m)), np.asfortranarray(A)
+    smallmat.add_product(base, 0.5, columns, B, out)
+    np.testing.assert_allclose(out, base + 0.5 * A @ B, **ROUNDING)
 
 
 @given(SIZES, SIZES, SEEDS)
 def test_congruence_completes_a_quadratic_form_symmetrically(n, inner, seed):
     rng = np.random.default_rng(seed)
     A, P, out = sparse(rng, n, inner), positive_definite(rng, inner), np.full((n, n), np.nan)
-    smallmat.congruence(A @ P, A, out)
-    np.testing.assert_allclose(out, A @ P @ A.T, **ROUNDING)
+    Q = positive_definite(rng, n)
+    Q = 0.5 * (Q + Q.T)
+    smallmat.congruence(A @ P, A, Q, out)
+    np.testing.assert_allclose(out, A @ P @ A.T + Q, **ROUNDING)
     np.testing.assert_array_equal(out, out.T)
 
 
@@ -104,6 +106,6 @@ def test_zero_factors_are_skipped():
     B[:3], B[6] = np.nan, np.inf
     smallmat.multiply(A, B, out)
     np.testing.assert_array_equal(out, A[:, 3:6] @ B[3:6])
-    smallmat.congruence(np.ascontiguousarray(B.T), A, out)
+    smallmat.congruence(np.ascontiguousarray(B.T), A, np.zeros((2, 2)), out)
     lower = np.tril(A[:, 3:6] @ B[3:6])
     np.testing.assert_array_equal(out, lower + np.tril(lower, -1).T)

@@ -99,7 +99,7 @@ def test_the_joseph_form_is_a_covariance_for_any_gain(seed, dimensions, size):
     n, m = dimensions
     case = Case(seed, n, m, correlated=True)
     P, K = case.P.copy(), size * case.rng.normal(size=(n, m))
-    joseph(P, K, case.H, case.R, case.C, True, workspace(n, m))
+    joseph(P, K.T.copy(), case.H @ P, case.H, case.R, case.C, True, np.empty((n, n)), np.empty((m, n)))
     transfer = np.block([np.eye(n) - K @ case.H, -K])  # posterior error from prior error and noise
     expected = transfer @ np.block([[case.P, case.C], [case.C.T, case.R]]) @ transfer.T
     scale = np.abs(expected).max()
@@ -118,7 +118,7 @@ def test_the_joseph_form_is_the_triple_product_to_rounding(seed, dimensions, cor
     S = H @ P @ H.T + case.R + H @ C + C.T @ H.T
     K = (P @ H.T + C) @ np.linalg.inv(S) if best else units[:, None] * case.rng.normal(size=(n, m))
     out = P.copy()
-    joseph(out, K, H, case.R, C, correlated, workspace(n, m))
+    joseph(out, K.T.copy(), H @ P, H, case.R, C, correlated, np.empty((n, n)), np.empty((m, n)))
     exact = [M.astype(np.longdouble) for M in (P, C, H, case.R, K)]
 
     def triple(P, C, H, R, K, A):

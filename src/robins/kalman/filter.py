@@ -77,18 +77,28 @@ def empty_record(runs, epochs, states, errors, channels, variances, marks):
 
 
 @kernel
-def record_states(x, states):
-    """Copy the leading states out."""
-    for i in range(states.size):
-        states[i] = x[i]
+def has_elements(A):
+    """Whether the matrix `A` has an element that is not zero."""
+    for i in range(A.shape[0]):
+        for j in range(A.shape[1]):
+            if A[i, j] != 0.0:
+                return True
+    return False
 
 
 @kernel
-def record_moments(x, P, states, variances):
+def record_states(x, states, run, k):
+    """Copy the leading states out."""
+    for i in range(states.shape[2]):
+        states[run, k, i] = x[i]
+
+
+@kernel
+def record_moments(x, P, states, variances, run, k):
     """Copy the leading states and the leading errors' variances out."""
-    record_states(x, states)
-    for i in range(variances.size):
-        variances[i] = P[i, i]
+    record_states(x, states, run, k)
+    for i in range(variances.shape[2]):
+        variances[run, k, i] = P[i, i]
 
 
 @njit(cache=True)
@@ -172,6 +182,8 @@ def run_filter(predictor, model, sensor, weighting, x0, P0, controls, measuremen
         raise ValueError("iterated weights need zero cross-covariances and no fixed part of the noise")
     if x0.shape[1] != P0.shape[0] and (delayed or isinstance(predictor, Ukf)):
         raise ValueError("the delayed estimate and sigma points need a state that is as long as its error")
+    if not 0 < states <= x0.shape[1]:
+        raise ValueError(f"{states} states cannot be recorded of {x0.shape[1]}")
     controls = controls if controls.ndim == 3 else controls[None]
     if controls.shape[0] not in (1, len(measurements)):
         raise ValueError(f"there are controls of {controls.shape[0]} runs and measurements of {len(measurements)}")
@@ -187,14 +199,14 @@ def filter_records(predictor, model, sensor, weighting, x0, P0, controls, measur
     n = P0.shape[0]
     record = empty_record(runs, epochs, states, n, m, runs, marks.size)
     work = workspace(n, m)
-    at_update, at_prediction = np.any(sensor.C_update != 0.0), np.any(sensor.C_predict != 0.0)
+    at_update, at_prediction = has_elements(sensor.C_update), has_elements(sensor.C_predict)
     predicted, weights, predicted_z = np.empty((m, m)), np.ones(m), np.empty(m)
     for run in range(runs):
         x, P, u = x0[run].copy(), P0.copy(), controls[min(run, controls.shape[0] - 1)]
         memory = weighting.memory.copy()
         updates, marked = 0, 0
         for k in range(epochs):
-            record_moments(x, P, record.prior[run, k], record.prior_variance[run, k])
+            record_moments(x, P, record.prior, record.prior_variance, run, k)
             if valid[k]:
                 linearise_observation(sensor, x, u[k], work.H)
                 observe(sensor, x, u[k], predicted_z)
@@ -212,7 +224,7 @@ def filter_records(predictor, model, sensor, weighting, x0, P0, controls, measur
                 if delayed and k > 0:
                     record_delayed(work, record.delayed[run, k - 1], record.delayed_variance[run, k - 1],
                                    record.posterior[run, k - 1], record.posterior_variance[run, k - 1])  # fmt: skip
-            record_moments(x, P, record.posterior[run, k], record.posterior_variance[run, k])
+            record_moments(x, P, record.posterior, record.posterior_variance, run, k)
             if marked < marks.size and k == marks[marked]:
                 assign(P, record.covariance[run, marked])
                 marked += 1
@@ -237,11 +249,11 @@ def record_update(work, weights, record, run, k):
         record.innovation_variance[run, k, j] = work.S[j, j]
         record.weights[run, k, j] = weights[j]
         total = 0.0
-        for i in range(work.K.shape[0]):
-            total += work.K[i, j] * work.K[i, j]
+        for i in range(work.KT.shape[1]):
+            total += work.KT[j, i] * work.KT[j, i]
         record.gain_norm[run, k, j] = np.sqrt(total)
-        if j < work.K.shape[0]:
-            record.gain_diagonal[run, k, j] = work.K[j, j]
+        if j < work.KT.shape[1]:
+            record.gain_diagonal[run, k, j] = work.KT[j, j]
 
 
 class Schedule(NamedTuple):
@@ -282,7 +294,7 @@ def schedule(predictor, model, sensor, P0, weights, valid, states, delayed):
     factor, delayed_variance = np.zeros((epochs, m, m)), np.full((epochs, states), np.nan)
     prior, posterior = np.full((epochs, n, n), np.nan), np.full((epochs, n, n), np.nan)
     work, x, P, u, failed = workspace(n, m), np.zeros(n), P0.copy(), np.zeros(model.B.shape[1]), -1
-    at_update, at_prediction = np.any(sensor.C_update != 0.0), np.any(sensor.C_predict != 0.0)
+    at_update, at_prediction = has_elements(sensor.C_update), has_elements(sensor.C_predict)
     if delayed and (at_update or at_prediction):
         raise ValueError("the delayed estimate needs zero cross-covariances")
     for k in range(epochs):
@@ -379,7 +391,7 @@ def run_schedule(plan, model, sensor, x0, controls, measurements, states, delaye
     for run in range(runs):
         x = x0[run].copy()
         for k in range(epochs):
-            record_states(x, record.prior[run, k])
+            record_states(x, record.prior, run, k)
             if plan.valid[k]:
                 observe(sensor, x, controls[k], innovation)
                 for j in range(m):
@@ -388,7 +400,7 @@ def run_schedule(plan, model, sensor, x0, controls, measurements, states, delaye
                 if no_gain or not apply_gain(plan, k, innovation, x, record, run, delayed):
                     record.failed[run] = k
                     break
-            record_states(x, record.posterior[run, k])
+            record_states(x, record.posterior, run, k)
             if k + 1 < epochs:
                 propagate(model, x, controls[k])
                 if plan.valid[k]:

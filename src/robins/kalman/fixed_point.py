@@ -20,14 +20,15 @@ import numpy as np
 from numba import njit
 
 from robins.foundation.smallmat import assign, cholesky, multiply, solve_rows, whiten
-from robins.kalman.update import correction, joseph
+from robins.kalman.update import correction, joseph, whitened_square
 from robins.kalman.weights import weigh
 
 
 @njit(cache=True, error_model="numpy")
 def floored_weights(weighting, parameters, residual, zeros, unit, memory, epoch, weights):
     """The weights of whitened residuals, none below the iteration's floor; one where `parameters` are empty."""
-    weights[:] = 1.0
+    for i in range(weights.size):
+        weights[i] = 1.0
     if parameters.size > 0:
         weigh(weighting, parameters, residual, zeros, unit, memory, epoch, weights)
         for i in range(weights.size):
@@ -73,7 +74,7 @@ def has_settled(s, before, tolerance):
     return change <= tolerance * tolerance * length
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", _nrt=True)
 def update_iterated(weighting, P, innovation, H, R, C, memory, epoch, weights, work):
     """Update `P` in place; leaves the correction of the state in ``work.shift``, the gain in ``work.K``, the weights in `weights`.
 
@@ -86,17 +87,17 @@ def update_iterated(weighting, P, innovation, H, R, C, memory, epoch, weights, w
         return np.nan
     U, s, before, solution = np.empty((m, n)), np.zeros(n), np.empty(n), np.empty((1, m))
     multiply(H, root, U)
-    prior_weights, residual, prior_residual = np.ones(n), np.empty(m), np.empty(n)
-    weights[:] = 1.0
-    if not innovation_factor(U, prior_weights, noise_root, weights, work.L):
+    prior_weights, unit, residual, prior_residual = np.ones(n), np.ones(m), np.empty(m), np.empty(n)
+    if not innovation_factor(U, prior_weights, noise_root, unit, work.L):
         return np.nan
     for a in range(m):
         for b in range(m):
             work.S[a, b] = 0.0
             for k in range(min(a, b) + 1):
                 work.S[a, b] += work.L[a, k] * work.L[b, k]
-    whiten(work.L, innovation, work.white)
-    nis = np.sum(work.white**2)
+    for j in range(m):
+        work.white[j] = innovation[j]
+    nis = whitened_square(work.L, work.white)
     if not np.isfinite(nis):
         return np.nan
     if weighting.iteration.warm:
@@ -120,18 +121,21 @@ def update_iterated(weighting, P, innovation, H, R, C, memory, epoch, weights, w
         whitened_correction(U, prior_weights, L, innovation, solution, s)
         if has_settled(s, before, weighting.iteration.tolerance):
             break
-    iterated_gain(U, prior_weights, root, L, work.TH, work.K)
-    correction(work.K, innovation, np.ones(m), work.shift)
-    joseph(P, work.K, H, R, C, False, work)
+    iterated_gain(U, prior_weights, root, L, work.K)
+    correction(work.K, innovation, unit, work.shift)
+    multiply(H, P, work.HP)
+    joseph(P, work.KT, work.HP, H, R, C, False, work.A, work.W)
     return nis
 
 
 @njit(cache=True, error_model="numpy")
-def iterated_gain(U, prior_weights, root, L, scaled, K):
-    """``K = B_p diag(1/w_p) U^T S^-1``; `scaled` ``(n, m)`` is scratch."""
+def iterated_gain(U, prior_weights, root, L, K):
+    """``K = B_p diag(1/w_p) U^T S^-1``."""
     m, n = U.shape
-    for k in range(n):
-        for j in range(m):
-            scaled[k, j] = U[j, k] / prior_weights[k]
-    multiply(root, scaled, K)
+    for j in range(m):
+        for i in range(n):
+            total = 0.0
+            for k in range(i + 1):
+                total += root[i, k] * U[j, k] / prior_weights[k]
+            K[i, j] = total
     solve_rows(L, K)

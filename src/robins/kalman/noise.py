@@ -4,22 +4,23 @@
 this one for diagonal R only: with correlated channels a weight here changes the variances of later channels too.
 """
 
-from robins.foundation.smallmat import cholesky, kernel
+from robins.foundation.smallmat import assign, cholesky, kernel
 
 
 @kernel
 def kept_noise(R, weights, out):
     """Copy `R`, with rows and columns of the unit matrix for channels of weight zero, and tell whether that is diagonal."""
-    m = R.shape[0]
-    diagonal = True
-    for i in range(m):
-        for j in range(m):
-            kept = weights[i] > 0.0 and weights[j] > 0.0
-            out[i, j] = R[i, j] if kept else 0.0
-            if i != j and out[i, j] != 0.0:
-                diagonal = False
+    assign(R, out)
+    for i in range(weights.size):
         if weights[i] == 0.0:
+            for j in range(weights.size):
+                out[i, j] = out[j, i] = 0.0
             out[i, i] = 1.0
+    diagonal = True
+    for i in range(weights.size):
+        for j in range(i):
+            if out[i, j] != 0.0 or out[j, i] != 0.0:
+                diagonal = False
     return diagonal
 
 
@@ -27,7 +28,7 @@ def kept_noise(R, weights, out):
 def divide_diagonal(out, weights):
     """``out = out diag(1/w)`` for a diagonal matrix, without the channels of weight zero."""
     for i in range(weights.size):
-        if weights[i] > 0.0:
+        if weights[i] > 0.0 and weights[i] != 1.0:
             out[i, i] /= weights[i]
 
 
@@ -47,7 +48,7 @@ def add_kept(R_fixed, weights, out):
     """``out += R_fixed`` between channels whose weights are not zero."""
     for i in range(weights.size):
         for j in range(weights.size):
-            if weights[i] > 0.0 and weights[j] > 0.0:
+            if R_fixed[i, j] != 0.0 and weights[i] > 0.0 and weights[j] > 0.0:
                 out[i, j] += R_fixed[i, j]
 
 

@@ -29,8 +29,7 @@ class Ukf(NamedTuple):
 def propagate_covariance(F, Q, FP, P):
     """``P <- F P F^T + Q``; leaves ``F P`` in `FP`."""
     multiply(F, P, FP)
-    congruence(FP, F, P)
-    add_covariance(P, Q)  # (20) imani2026
+    congruence(FP, F, Q, P)  # (20) imani2026
 
 
 @kernel

@@ -4,6 +4,7 @@ import numpy as np
 from numba import njit
 from numba.extending import overload
 
+from robins.foundation.smallmat import kernel
 from robins.kalman.extension import has_kernel, kernel_of
 from robins.kalman.fixed_point import update_iterated
 from robins.kalman.update import innovation_covariance, update_error
@@ -39,29 +40,57 @@ def process(weighting, P, sensor, correlated, memory, epoch, weights, predicted,
     return kernel_of("process", weighting)(weighting, P, sensor, correlated, memory, epoch, weights, predicted, work)
 
 
-@overload(process)
+@overload(process, jit_options={"error_model": "numpy", "_nrt": False})
 def _process(weighting, P, sensor, correlated, memory, epoch, weights, predicted, work):
-    kernel = kernel_of("process", weighting) if has_kernel("process", weighting) else process_weighted
-    return lambda weighting, P, sensor, correlated, memory, epoch, weights, predicted, work: kernel(
+    if not has_kernel("process", weighting):
+        return process_weighted
+    own = kernel_of("process", weighting)  # may allocate, as a weight function may
+
+    @njit(_nrt=True)
+    def allocating(weighting, P, sensor, correlated, memory, epoch, weights, predicted, work):
+        return own(weighting, P, sensor, correlated, memory, epoch, weights, predicted, work)
+
+    return lambda weighting, P, sensor, correlated, memory, epoch, weights, predicted, work: allocating(
         weighting, P, sensor, correlated, memory, epoch, weights, predicted, work
     )
 
 
-@njit(cache=True)
-def process_weighted(weighting, P, sensor, correlated, memory, epoch, weights, predicted, work):
-    """`process` for every weight function."""
+@njit(cache=True, _nrt=True)
+def find_weights(weighting, innovation, predicted, R, memory, epoch, weights):
+    """`weigh` for a caller that counts no references: a weight function may allocate and raise."""
+    weigh(weighting, weighting.parameters, innovation, predicted, R, memory, epoch, weights)
+
+
+@kernel
+def trust_all(weights, work):
+    """Weights and gain factors of one."""
     for j in range(weights.size):
         weights[j] = work.gain_factor[j] = 1.0
-    if weighting.kind == 0:
-        return update_error(P, work.innovation, work.H, sensor.R, sensor.R_fixed, sensor.C_update, correlated, weights, work)
-    if weighting.iteration.limit > 0:
-        return update_iterated(weighting, P, work.innovation, work.H, sensor.R, sensor.C_update, memory, epoch, weights, work)
-    innovation_covariance(P, work.H, sensor.R_fixed, sensor.C_update, correlated, weights, work.K, predicted)
-    weigh(weighting, weighting.parameters, work.innovation, predicted, sensor.R, memory, epoch, weights)
-    if not weighting.on_gain:
-        return update_error(P, work.innovation, work.H, sensor.R, sensor.R_fixed, sensor.C_update, correlated, weights, work)
+
+
+@kernel
+def move_to_gain(weights, work):
+    """Make the weights gain factors and leave weights of one; False when a weight is negative or not finite."""
+    valid = True
     for j in range(weights.size):
-        work.gain_factor[j] = weights[j]
         if not 0.0 <= weights[j] < np.inf:
+            valid = False
+        work.gain_factor[j], weights[j] = weights[j], 1.0
+    return valid
+
+
+def process_weighted(weighting, P, sensor, correlated, memory, epoch, weights, predicted, work):
+    """`process` for every weight function; compiled where it is used, for each function in between optimises all of this once more."""
+    if weighting.kind != 0 and weighting.iteration.limit > 0:
+        return update_iterated(weighting, P, work.innovation, work.H, sensor.R, sensor.C_update, memory, epoch, weights, work)
+    trust_all(weights, work)
+    if weighting.kind != 0:
+        innovation_covariance(P, work.H, sensor.R_fixed, sensor.C_update, correlated, weights, work.K, predicted)
+        find_weights(weighting, work.innovation, predicted, sensor.R, memory, epoch, weights)
+        if weighting.on_gain and not move_to_gain(weights, work):
             return np.nan
-    return update_error(P, work.innovation, work.H, sensor.R, sensor.R_fixed, sensor.C_update, correlated, np.ones(weights.size), work)
+    nis = update_error(P, work.innovation, work.H, sensor.R, sensor.R_fixed, sensor.C_update, correlated, weights, work)
+    if weighting.on_gain:
+        for j in range(weights.size):
+            weights[j] = work.gain_factor[j]
+    return nis

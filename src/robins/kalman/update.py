@@ -23,7 +23,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from robins.foundation.smallmat import add_product, assign, cholesky, kernel, multiply, multiply_sparse, solve_rows, transpose, whiten
+from robins.foundation.smallmat import add_product, cholesky, kernel, multiply, solve_rows, whiten
 from robins.kalman.noise import weighted_noise
 
 
@@ -36,7 +36,8 @@ class Workspace(NamedTuple):
     `gain_factor` is g, ones on delivery; `shift` the correction of the (error) state.
     After `predict`: `F` transition Jacobian, `FP` = F P, the covariance between the predicted and the earlier state.
 
-    `H` and `innovation` are the caller's to fill; the other arrays are scratch.
+    `H` and `innovation` are the caller's to fill; the other arrays are scratch. `KT` is the transpose of `K` in the same
+    memory: loops over the states run over neighbours.
     """
 
     F: np.ndarray
@@ -46,9 +47,9 @@ class Workspace(NamedTuple):
     T: np.ndarray
     H: np.ndarray
     HP: np.ndarray
-    TH: np.ndarray
+    W: np.ndarray
     K: np.ndarray
-    KR: np.ndarray
+    KT: np.ndarray
     S: np.ndarray
     L: np.ndarray
     R: np.ndarray
@@ -62,10 +63,11 @@ class Workspace(NamedTuple):
 @njit(cache=True)
 def workspace(n, m):
     """A `Workspace` for `n` states and `m` measurements."""
-    square, tall, small = (n, n), (n, m), (m, m)
+    square, wide, small = (n, n), (m, n), (m, m)
+    KT = np.zeros(wide)
     return Workspace(
         np.zeros(square), np.zeros(square), np.zeros(square), np.zeros(square), np.zeros(square),
-        np.zeros((m, n)), np.zeros((m, n)), np.zeros(tall), np.zeros(tall), np.zeros(tall),
+        np.zeros(wide), np.zeros(wide), np.zeros(wide), KT.T, KT,
         np.zeros(small), np.zeros(small), np.zeros(small),
         np.zeros(m), np.zeros(m), np.ones(m), np.zeros(n), np.zeros((2 * n + 1, n)),
     )  # fmt: skip
@@ -87,11 +89,11 @@ def cross_covariance(P, H, weights, PH):
 
 
 @kernel
-def kept_transpose(HP, weights, PH):
-    """``PH = (H P)^T``, with zeros for a channel of weight zero."""
+def kept_rows(HP, weights, out):
+    """``out = H P``, with zeros for a channel of weight zero."""
     for j in range(HP.shape[0]):
         for i in range(HP.shape[1]):
-            PH[i, j] = HP[j, i] if weights[j] > 0.0 else 0.0
+            out[j, i] = HP[j, i] if weights[j] > 0.0 else 0.0
 
 
 @kernel
@@ -145,73 +147,59 @@ def project_correlated(H, R, C, correlated, weights, PH, S):
 
 
 @kernel
-def times_transposed(T, H, out):
-    """``out = T H^T`` for shapes ``(n, n)``, ``(m, n)``, ``(n, m)``; skips zeros of `H`."""
-    n, m = out.shape
-    for i in range(n):
-        for j in range(m):
-            out[i, j] = 0.0
-    for j in range(m):
-        for k in range(n):
-            factor = H[j, k]
+def joseph_remainder(T, KT, H, R, out):
+    """``out = R K^T - H T^T``, ``(m, n)``; skips zeros of `R` and `H`."""
+    m, n = KT.shape
+    for a in range(m):
+        for i in range(n):
+            out[a, i] = 0.0
+        for b in range(m):
+            factor = R[a, b]
             if factor != 0.0:
                 for i in range(n):
-                    out[i, j] += T[i, k] * factor
+                    out[a, i] += factor * KT[b, i]
+        for k in range(n):
+            factor = H[a, k]
+            if factor != 0.0:
+                for i in range(n):
+                    out[a, i] -= T[i, k] * factor
 
 
 @kernel
-def reduce_covariance(P, K, HP, out):
-    """``out = (I - K H) P`` with ``H P`` ``(m, n)``."""
-    assign(P, out)
-    add_product(-1.0, K, HP, out)
-
-
-@kernel
-def subtract_correlation(K, H, C, T, P):
-    """``P -= A C K^T + K C^T A^T`` for ``A = I - K H``; leaves ``A C`` in `T` ``(n, m)``."""
-    n, m = K.shape
-    for i in range(n):
-        for j in range(m):
-            T[i, j] = C[i, j]
-            for a in range(m):
-                for k in range(n):
-                    T[i, j] -= K[i, a] * H[a, k] * C[k, j]
+def subtract_correlation(KT, H, C, AC, P):
+    """``P -= A C K^T + K C^T A^T`` for ``A = I - K H``; leaves ``(A C)^T`` in `AC` ``(m, n)``."""
+    m, n = KT.shape
+    for j in range(m):
+        for i in range(n):
+            AC[j, i] = C[i, j]
+        for a in range(m):
+            projected = 0.0
+            for k in range(n):
+                projected += H[a, k] * C[k, j]
+            for i in range(n):
+                AC[j, i] -= KT[a, i] * projected
     for i in range(n):
         for j in range(i, n):
             for k in range(m):
-                P[i, j] -= T[i, k] * K[j, k] + K[i, k] * T[j, k]
+                P[i, j] -= AC[k, i] * KT[k, j] + KT[k, i] * AC[k, j]
             P[j, i] = P[i, j]
 
 
 @kernel
-def joseph(P, K, H, R, C, correlated, work):
-    """Joseph form of the posterior covariance, in place; valid for any gain. See the module's docstring."""
-    multiply(H, P, work.HP)
-    joseph_projected(P, K, H, R, C, correlated, work)
-
-
-@kernel
-def joseph_projected(P, K, H, R, C, correlated, work):
-    """`joseph` where ``work.HP`` holds ``H P``.
+def joseph(P, KT, HP, H, R, C, correlated, T, W):
+    """Joseph form of the posterior covariance, in place, where `HP` is ``H P``; valid for any gain. See the module's docstring.
 
     ``A P A^T + K R K^T = T + (K R - T H^T) K^T`` with ``A = I - K H`` and ``T = A P``: the same products in an order that
-    costs n^2 m instead of n^3.
+    costs n^2 m instead of n^3. `T` ``(n, n)`` and `W` ``(m, n)`` are scratch.
     """
-    T, TH, KR, KT = work.A, work.TH, work.KR, work.HP
-    n, m = K.shape
-    reduce_covariance(P, K, work.HP, T)
-    times_transposed(T, H, TH)
-    multiply_sparse(K, R, KR)
-    for i in range(n):
-        for j in range(m):
-            KR[i, j] -= TH[i, j]
-    transpose(K, KT)
-    add_product(1.0, KR, KT, T)
-    for i in range(n):
-        for j in range(i + 1):
-            P[i, j] = P[j, i] = T[i, j]
+    add_product(P, -1.0, KT.T, HP, T)
+    joseph_remainder(T, KT, H, R, W)
+    add_product(T, 1.0, W.T, KT, P)
+    for i in range(P.shape[0]):
+        for j in range(i):
+            P[j, i] = P[i, j]
     if correlated:
-        subtract_correlation(K, H, C, TH, P)
+        subtract_correlation(KT, H, C, W, P)
 
 
 @kernel
@@ -240,20 +228,21 @@ def weighted_gain(L, factor, K):
     """``K <- K S^-1 diag(factor)`` for ``S = L L^T``."""
     n, m = K.shape
     solve_rows(L, K)
-    for i in range(n):
-        for j in range(m):
-            K[i, j] *= factor[j]
+    for j in range(m):
+        if factor[j] != 1.0:
+            for i in range(n):
+                K[i, j] *= factor[j]
 
 
 @kernel
 def correction(K, innovation, weights, shift):
     """``shift = K Delta`` without the channels of weight zero, whatever their innovation."""
     for i in range(shift.size):
-        total = 0.0
-        for j in range(weights.size):
-            if weights[j] > 0.0:
-                total += K[i, j] * innovation[j]
-        shift[i] = total
+        shift[i] = 0.0
+    for j in range(weights.size):
+        if weights[j] > 0.0:
+            for i in range(shift.size):
+                shift[i] += K[i, j] * innovation[j]
 
 
 @kernel
@@ -271,7 +260,7 @@ def update_error(P, innovation, H, R, R_fixed, C, correlated, weights, work):
     if not (kept_innovation(innovation, weights, white) and weighted_noise(R, R_fixed, weights, R_bar)):
         return np.nan
     multiply(H, P, work.HP)
-    kept_transpose(work.HP, weights, K)
+    kept_rows(work.HP, weights, work.KT)
     project_correlated(H, R_bar, C, correlated, weights, K, S)
     if not cholesky(S, L):
         return np.nan
@@ -280,7 +269,7 @@ def update_error(P, innovation, H, R, R_fixed, C, correlated, weights, work):
         return np.nan
     weighted_gain(L, work.gain_factor, K)  # (23), (36) imani2026
     correction(K, innovation, weights, work.shift)  # (24), (38) imani2026
-    joseph_projected(P, K, H, R_bar, C, correlated, work)  # (25), (37) imani2026
+    joseph(P, work.KT, work.HP, H, R_bar, C, correlated, work.A, work.W)  # (25), (37) imani2026
     mark_removed(weights, S, L)
     return nis
 

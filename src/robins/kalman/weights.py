@@ -157,7 +157,7 @@ def _weigh(weighting, parameters, innovation, predicted, R, memory, epoch, weigh
     chain = None
     for flag, kernel in reversed(list(enumerate(_kernels))):
         chain = _link(flag, kernel, chain)
-    chain = njit(chain)
+    chain = njit(chain, inline="always")
 
     def select(weighting, parameters, innovation, predicted, R, memory, epoch, weights):
         chain(weighting.kind, innovation, predicted, R, parameters, memory, epoch, weights)
@@ -173,7 +173,7 @@ def _link(flag, kernel, others):
             kernel(innovation, predicted, R, parameters, memory, epoch, weights)
 
         return last
-    rest = njit(others)
+    rest = njit(others, inline="always")
 
     def link(kind, innovation, predicted, R, parameters, memory, epoch, weights):
         if kind == flag:

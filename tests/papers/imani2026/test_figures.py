@@ -19,14 +19,15 @@ from matplotlib.patches import Patch
 from matplotlib.text import Text
 
 from robins.evaluate.published import read_published
+from robins.kalman.weights import weighting
 from robins.papers.imani2026 import ensemble, figures_channels, figures_filters, figures_scale, figures_sweeps, panels
 from robins.papers.imani2026.comparisons import GROUPS, PAIR
 from robins.papers.imani2026.drive import CHANNELS, DURATION
 from robins.papers.imani2026.figures import FIGURES
 from robins.papers.imani2026.formulations import FORMULATIONS
-from robins.papers.imani2026.methods import FAMILIES
+from robins.papers.imani2026.methods import FAMILIES, Method
 from robins.papers.imani2026.options import OPTIONS
-from robins.papers.imani2026.studies import OUTLIER_RATES, outlier_cases, scale_methods
+from robins.papers.imani2026.studies import OUTLIER_RATES, SCALED, outlier_cases, scale_methods
 from robins.papers.imani2026.variants import VARIANTS
 from robins.papers.protocol import Output, Results, Settings
 from robins.publish import style
@@ -86,7 +87,7 @@ def scale_rows() -> Output:
     cases = [("F0", 0.0)] + [("F1", rate) for rate in OUTLIER_RATES]
     return Output(pd.concat([
         score_rows(RUNS, factor(method) * (1 + rate * (method != "ci-seq")), formulation=name, rate=rate, method=method, scale=float(value))
-        for name, rate in cases for method, value in scale_methods(SETTINGS)
+        for name, rate in cases for method, value in scale_methods(OPTIONS, dict.fromkeys(SCALED, 1.0), Method(weighting("unit")))
     ], ignore_index=True))  # fmt: skip
 
 
@@ -96,7 +97,7 @@ def tuning_rows(family: str) -> Output:
         (condition, scale, knob.parameter, value, "grid", 0.1 * i + 0.01 * j, 0, i == j == 0)
         for condition in ("headline", "outliers")
         for i, scale in enumerate((0.1, 1.0, 10.0, 100.0))
-        for j, value in enumerate((*knob.grid, knob.above))
+        for j, value in enumerate(knob.values[1:])
     ]
     columns = ["condition", "noise_scale", "parameter", "value", "stage", "objective", "failed", "chosen"]
     table = pd.DataFrame(rows, columns=columns)

@@ -26,7 +26,7 @@ from robins.papers.imani2026.sensors import Sensors
 from robins.papers.imani2026.variants import VARIANTS
 
 NOMINAL = [name for name, variant in VARIANTS.items() if "method" in variant.composition]
-FAMILY_VALUES = [(name, value) for name, family in FAMILIES.items() for value in (family.below, *family.grid, family.above)]
+FAMILY_VALUES = [(name, value) for name, family in FAMILIES.items() for value in family.values]
 
 
 def made(name):
@@ -124,7 +124,7 @@ def test_every_grid_is_conventional_in_its_middle():
 @pytest.mark.parametrize("family", FAMILIES)
 def test_a_grid_ascends_and_its_extensions_lie_outside(family):
     knob = FAMILIES[family]
-    values = (knob.below, *knob.grid, knob.above)
+    values = knob.values
     assert list(values) == sorted(set(values))
 
 
@@ -141,7 +141,7 @@ def test_every_value_that_tuning_can_try_makes_a_filter_that_trusts_small_innova
 @pytest.mark.parametrize("family", [name for name in FAMILIES if name != "ekf"])
 def test_a_larger_value_of_the_knob_trusts_more(family):
     knob = FAMILIES[family]
-    trusted = [weights_of(tuned(family, OPTIONS, Setting(1.0, v)).weighting, 4.0)[0] for v in (knob.below, *knob.grid, knob.above)]
+    trusted = [weights_of(tuned(family, OPTIONS, Setting(1.0, v)).weighting, 4.0)[0] for v in knob.values]
     assert trusted == sorted(trusted) and trusted[0] < trusted[-1]
 
 

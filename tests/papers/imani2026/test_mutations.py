@@ -42,7 +42,7 @@ class Mutant(NamedTuple):
 
 
 FORMULATIONS, STRAPDOWN = "papers/imani2026/formulations.py", "navigation/strapdown.py"
-COUPLED = "Q[i, k] += G[i, j] * model.transient[j] * G[k, j]"
+COUPLED = ("Q[i, k] += moved * G[k, j]", "Q[i, XF + j] = Q[XF + j, i] = moved")
 MUTANTS = {
     "every weight off": Mutant(
         (
@@ -65,7 +65,7 @@ MUTANTS = {
         (Change(FORMULATIONS, "inputs[:, :-1, :6], inputs[:, 1:, 6:]", "inputs[:, 1:, :6], inputs[:, 1:, 6:]"),), (f"{A06}[reckoned]",)
     ),
     "noise of the transients beside them": Mutant(
-        (Change(STRAPDOWN, COUPLED, COUPLED.replace("+= ", "+= (i == k) * (i >= XF) * ")),), (PITFALL_2,)
+        tuple(Change(STRAPDOWN, line, line.replace("moved", "0.0 * moved")) for line in COUPLED), (PITFALL_2,)
     ),
 }
 

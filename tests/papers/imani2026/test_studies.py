@@ -14,6 +14,7 @@ from robins.papers.imani2026.studies import (
     KERNEL_SCALES,
     NOISE_DECADES,
     OUTLIER_RATES,
+    SCALED,
     SCORE_COLUMNS,
     SINGLE_WIDTHS,
     grades,
@@ -52,8 +53,8 @@ def swept_outliers(slow, results):
 
 
 @pytest.fixture(scope="module")
-def scaled(slow):
-    return scale(slow).table
+def scaled(slow, results):
+    return scale(slow, results).table
 
 
 def rmse(table, **where):
@@ -139,7 +140,7 @@ def test_all_filters_of_a_case_read_the_same_samples(slow, results, monkeypatch)
 
 def test_the_scale_runs_from_no_update_to_the_ekf(slow):
     found = {}
-    for method, value in scale_methods(slow):
+    for method, value in scale_methods(slow.options, dict.fromkeys(SCALED, 1.0), Method(weighting("unit"))):
         found.setdefault(method, []).append(value)
     assert found == {
         "mk-norm": list(KERNEL_SCALES), "mk-norm-gain": list(KERNEL_SCALES), "single-kernel": list(SINGLE_WIDTHS), "gate": list(GATES),
@@ -160,7 +161,8 @@ def test_the_scale_has_f0_without_outliers_and_f1_with_them(scaled):
 @pytest.mark.parametrize("formulation", ["F0", "F1"])
 @pytest.mark.parametrize("method", ["mk-norm", "mk-norm-gain", "single-kernel"])
 def test_an_infinite_scale_is_the_ekf(slow, scaled, formulation, method):
-    plain = rmse(scores(headline(slow), range(2), {"ekf": Method(weighting("unit"))}, formulation))
+    noise = 1.0 if formulation == "F0" else CHOSEN.get((method, "headline"), (1.0,))[0]
+    plain = rmse(scores(headline(slow), range(2), {"ekf": Method(weighting("unit"), noise)}, formulation))
     wide = rmse(scaled, formulation=formulation, rate=0.0, method=method, scale=np.inf)
     pd.testing.assert_series_equal(wide, plain, check_names=False, rtol=1e-12)
 

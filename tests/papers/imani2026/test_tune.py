@@ -7,7 +7,7 @@ import pytest
 from robins.papers.imani2026 import sensors, tune
 from robins.papers.imani2026.drive import CHANNELS
 from robins.papers.imani2026.ensemble import frozen, headline, scores
-from robins.papers.imani2026.methods import FAMILIES, Setting, tuned
+from robins.papers.imani2026.methods import FAMILIES, NORMAL_GATE, Setting, tuned
 from robins.papers.imani2026.tune import (
     CONDITIONS,
     NOISE_ABOVE,
@@ -83,7 +83,7 @@ def test_a_grid_is_extended_by_one_row_and_one_column(tables, family):
         part = tables[family][tables[family]["condition"] == condition]
         scales, values = set(part["noise_scale"]), set(part["value"])
         assert scales in ({*NOISE_SCALES, NOISE_BELOW}, {*NOISE_SCALES, NOISE_ABOVE})
-        assert values in ({*knob.grid, knob.below}, {*knob.grid, knob.above})
+        assert values in ({*knob.grid, knob.values[0]}, {*knob.grid, knob.values[-1]})
 
 
 @pytest.mark.parametrize("best", [(0.001, 0.001), (0.001, 50.0), (1000.0, 0.001), (1000.0, 50.0)])
@@ -91,16 +91,16 @@ def test_the_extension_lies_on_the_side_of_an_optimum_at_the_edge(settings, loss
     losses(lambda scale, value: abs(np.log(scale / best[0])) + abs(np.log(value / best[1])))
     table, knob = search("gate", settings(), "headline"), FAMILIES["gate"]
     low, small = best[0] < 1.0, best[1] < 1.0
-    assert chosen(table)[1:3] == (NOISE_BELOW if low else NOISE_ABOVE, knob.below if small else knob.above)
+    assert chosen(table)[1:3] == (NOISE_BELOW if low else NOISE_ABOVE, knob.values[0] if small else knob.values[-1])
     assert chosen(table).stage == "extension"
 
 
 @pytest.mark.parametrize("better", [NOISE_BELOW, NOISE_ABOVE])
 def test_with_an_optimum_in_the_middle_the_better_neighbour_decides(settings, losses, better):
-    losses(lambda scale, value: abs(np.log10(scale) - 0.1 * np.sign(np.log(better))) + abs(value - 3.0))
+    losses(lambda scale, value: abs(np.log10(scale) - 0.1 * np.sign(np.log(better))) + abs(value - NORMAL_GATE))
     table = search("gate", settings(), "headline")
     assert better in table["noise_scale"].tolist()
-    assert chosen(table)[1:3] == (1.0, 3.0) and chosen(table).stage == "grid"
+    assert chosen(table)[1:3] == (1.0, NORMAL_GATE) and chosen(table).stage == "grid"
 
 
 def test_outward_is_below_or_above():

@@ -55,7 +55,7 @@ PAPER = Paper(
     studies=(
         *(_job(tune, TUNING[name], f"Tuning: {family.label}", partial(tune.tune, family=name)) for name, family in FAMILIES.items()),
         _job(studies, "outliers", "Noise laws and outliers", studies.outliers, needs=studies.TUNING_JOBS),
-        _job(studies, "scale", "Kernel scale with its controls", studies.scale),
+        _job(studies, "scale", "Kernel scale with its controls", studies.scale, needs=studies.TUNING_JOBS),
         _job(studies, "grades", "Sensor grades", studies.grades, needs=studies.TUNING_JOBS),
         _job(studies, "rates", "Sampling rates", studies.rates, needs=studies.TUNING_JOBS),
         _job(ablations, "ablations", "Readings and choices, one at a time", ablations.ablations),

@@ -12,7 +12,7 @@ import pandas as pd
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
-from robins.foundation.noise_laws import Law, normal_inverse_gaussian
+from robins.foundation.noise_laws import Law, gaussian_mixture, normal_inverse_gaussian
 from robins.navigation.strapdown import local_earth
 from robins.papers.imani2026.drive import GRAVITY, LATITUDE
 from robins.papers.imani2026.ensemble import Case, headline, method_of, scores
@@ -24,6 +24,8 @@ from robins.papers.protocol import Output, Settings
 FILTERS = ("ekf", "ci-seq-nominal", "mk-norm-gain-nominal")
 FORMULATIONS = ("F0", "F1")
 BURSTS = Outliers(rate=0.02, burst=5)
+MIXTURE_SHARES = (0.02, 0.05, 0.10)
+"""Shares of outliers of the impulsive law that meets the same two moments."""
 NORMAL_HALF_WIDTH = 0.6744897501960817
 """Half the interquartile range of a standard normal law."""
 
@@ -58,6 +60,9 @@ def ablations_of(settings: Settings) -> dict[str, Ablation]:
         "transients (7)-(9)": Sensors(transients=Transients()),
         "bursts of outliers": Sensors(outliers=BURSTS),
         "19.91 is the raw kurtosis": Sensors(gyroscope_law=normal_inverse_gaussian(skewness, kurtosis - 3.0)),
+    }
+    sensors |= {
+        f"impulsive law, {100 * share:g} %": Sensors(gyroscope_law=gaussian_mixture(share, skewness, kurtosis)) for share in MIXTURE_SHARES
     }
     unaware = local_earth(LATITUDE, GRAVITY, rotating=False)
     return (

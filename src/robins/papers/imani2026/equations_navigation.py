@@ -223,7 +223,7 @@ _PREDICTION = (
         r"Q_k=\mathrm{diag}(0,\ \sigma_v^2I_3,\ \sigma_q^2I_4,\ \sigma_{b_a}^2I_3,\ \sigma_{b_g}^2I_3)",
         "ambiguous",
         r"$\sigma_v$ is printed in m/s$^2$ in the place of a velocity, and per step or per second is not said (E4). Three readings are "
-        "kept: `printed` (per step), `printed_dt` and `tuned` (S6).",
+        "kept: `printed` (per step), `printed-dt` and `tuned` (S6).",
         f"{_FORMULATIONS}::test_the_three_readings_of_the_process_noise",
         corrected=r"Q_k=\mathrm{diag}(0,\ \sigma_v^2\Delta t^2I_3,\ 4\sigma_q^2\Delta t\,I_3,\ \sigma_{b_a}^2\Delta t\,I_3,\ "
         r"\sigma_{b_g}^2\Delta t\,I_3)",

@@ -69,7 +69,7 @@ def draw_improvement_map(results: Results) -> Drawing:
     bar = figure.colorbar(ScalarMappable(norm, DIVERGING), ax=axes, location="top", fraction=0.02, pad=0.01, aspect=60,
                           ticks=[-np.log(1 - p / 100) for p in ticks], extend="both")  # fmt: skip
     bar.ax.set_xticklabels([percent(p) for p in ticks])
-    bar.set_label(f"improvement of RMSE over the CI-RKF (%), nominal R · {TITLES['F1']}", fontsize=8.5)
+    bar.set_label(f"improvement of RMSE over the CI-RKF (%), R as tuned · {TITLES['F1']}", fontsize=8.5)
     return figure
 
 
@@ -106,7 +106,7 @@ def curves(options: Mapping) -> dict[str, tuple[str, str, list[tuple[float, floa
 
 
 def draw_scale_curve(results: Results, formulation: str) -> Drawing:
-    """RMSE against kernel width and threshold, beside it against the multiplier of R; all at nominal settings, no outliers."""
+    """RMSE against kernel width and threshold, beside it against the multiplier of R; no outliers; in F0 R is nominal, in F1 as tuned."""
     figure = Drawing(figsize=(style.WIDTH, 6.4))
     axes = figure.subplots(len(GROUPS) // 2, len(GROUPS), sharey=False, width_ratios=(2.6, 1, 2.6, 1))
     where = {"formulation": formulation, "rate": 0.0}
@@ -126,7 +126,8 @@ def draw_scale_curve(results: Results, formulation: str) -> Drawing:
         panel_title(wide, group)
         wide.set_ylabel(f"RMSE ({UNITS[group]})")
     figure.supxlabel("left: width or threshold in standard deviations of the innovation (1); right: multiplier of R (1)", fontsize=8.5)
-    words = f"From no update to the EKF: nominal settings, no outliers · {TITLES[formulation]}"
+    chosen = {"F0": "nominal settings", "F1": "R and CI-RKF as tuned"}[formulation]
+    words = f"From no update to the EKF: {chosen}, no outliers · {TITLES[formulation]}"
     headline(figure, words, legend(results.settings.options), columns=4)
     return figure
 

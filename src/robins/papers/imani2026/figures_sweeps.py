@@ -225,8 +225,12 @@ WORST = 0.4
 
 def draw_tuning(results: Results, condition: str) -> Drawing:
     """The sixteen evaluated settings of every family: excess of the objective over the family's best, which is marked."""
-    figure = Drawing(figsize=(style.WIDTH, 5.0))
-    for ax, (key, family) in zip(figure.subplots(2, 5).flat, FAMILIES.items(), strict=True):
+    columns = 4
+    figure = Drawing(figsize=(style.WIDTH, 2.35 * -(-len(FAMILIES) // columns)))
+    axes = figure.subplots(-(-len(FAMILIES) // columns), columns).flat
+    for ax in axes[len(FAMILIES) :]:
+        ax.remove()
+    for ax, (key, family) in zip(axes, FAMILIES.items(), strict=False):
         draw_settings(ax, results.table(f"tuning-{key}"), condition)
         panel_title(ax, family.label.replace("sequential", "seq."))
         ax.set_xlabel(fill(unit_of(family.parameter), 15), labelpad=2)

@@ -22,7 +22,8 @@ from robins.papers.imani2026.studies import outlier_cases
 from robins.papers.protocol import Results
 
 MINIMUM = MappingProxyType({"runs": 100, "sweep_runs": 20, "fast_runs": 5})
-"""Runs below which a row says ``n too small``: the headline's, a sweep's, and those above the headline's rate."""
+"""Runs below which a row says ``n too small``: the headline's, a sweep's, and those above the headline's rate (the numbers of the
+standard ensemble). Intervals and p values of fewer than fifty runs are made for few: five can never exclude chance."""
 SIGNIFICANCE = 0.05
 """Largest p value, adjusted by Holm over the twelve channels, with which an interval off 0 counts as off 0."""
 NAMES = MappingProxyType({

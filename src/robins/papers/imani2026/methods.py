@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
 import numpy as np
+from scipy.special import erf
 
 from robins.kalman import chi_square as increments
 from robins.kalman.chi_square import chi_square
@@ -60,20 +61,31 @@ class Family(NamedTuple):
     ----------
     label, parameter : str
         Words for readers: the family, and its own knob.
-    grid : tuple of float
-        The three values to begin with, the middle one the conventional setting.
-    below, above : float
-        What the grid is extended by.
+    values : tuple of float
+        Five values; the middle one is the conventional setting, the outer ones are what the grid of the inner three is extended by.
     build : callable
         ``build(options, value) -> Weighting``.
     """
 
     label: str
     parameter: str
-    grid: tuple[float, float, float]
-    below: float
-    above: float
+    values: tuple[float, float, float, float, float]
     build: Callable[[Mapping, float], Weighting]
+
+    @property
+    def grid(self) -> tuple[float, float, float]:
+        """The values to begin with."""
+        return self.values[1:4]
+
+
+def around(conventional: float, step: float = 2.0) -> tuple[float, ...]:
+    """Five values, a factor `step` apart: every robust family reaches as far on either side of its conventional setting."""
+    return tuple(conventional * step**k for k in (-2, -1, 0, 1, 2))
+
+
+def within(deviations: float) -> float:
+    """The probability of a normal variable within so many standard deviations: the beta whose chi-square quantile is their square."""
+    return float(erf(deviations / np.sqrt(2.0)))
 
 
 def kernels(options: Mapping, scale: float) -> tuple[np.ndarray, np.ndarray]:
@@ -101,29 +113,31 @@ def increment(options: Mapping, kind: str = "sequential", shape: str = "linear",
 
 
 FAMILIES: Mapping[str, Family] = {
-    "ekf": Family("EKF", "multiplier of Q", (0.1, 1.0, 10.0), 0.01, 100.0, lambda options, value: weighting("unit")),
+    "ekf": Family("EKF", "multiplier of Q", around(1.0, 10.0 ** (1 / 3)), lambda options, value: weighting("unit")),
     "ci-seq": Family(
-        "CI-RKF, sequential", "probability beta", (0.90, 0.95, 0.99), 0.80, 0.999,
-        lambda options, value: increment(options, probability=value),
+        "CI-RKF, sequential", "threshold [sd]", around(NORMAL_GATE), lambda options, value: increment(options, probability=within(value))
     ),
     "ci-corr": Family(
-        "CI-RKF, corrected", "probability beta", (0.90, 0.95, 0.99), 0.80, 0.999,
-        lambda options, value: increment(options, probability=value, correct=True),
+        "CI-RKF, corrected", "threshold [sd]", around(NORMAL_GATE),
+        lambda options, value: increment(options, probability=within(value), correct=True),
     ),
-    "gate": Family("hard gate", "threshold [sd]", (NORMAL_GATE, 3.0, 4.5), 1.3, 6.75, lambda options, value: gate(value)),
+    "gate": Family("hard gate", "threshold [sd]", around(NORMAL_GATE), lambda options, value: gate(value)),
     "single-kernel": Family(
-        "single kernel", "width [sd]", (1.5, 3.0, 6.0), 0.75, 12.0, lambda options, value: correntropy([value], [1.0])
+        "single kernel, R / w", "width [sd]", around(3.0), lambda options, value: correntropy([value], [1.0])
     ),
-    "mk-norm": Family("multi-kernel, R / w", "multiplier of the widths", (0.5, 1.0, 2.0), 0.25, 4.0, multi_kernel),
+    "single-kernel-gain": Family(
+        "single kernel, K W", "width [sd]", around(3.0), lambda options, value: correntropy([value], [1.0])._replace(on_gain=True)
+    ),
+    "mk-norm": Family("multi-kernel, R / w", "multiplier of the widths", around(1.0), multi_kernel),
     "mk-norm-gain": Family(
-        "multi-kernel, K W", "multiplier of the widths", (0.5, 1.0, 2.0), 0.25, 4.0,
+        "multi-kernel, K W", "multiplier of the widths", around(1.0),
         lambda options, value: multi_kernel(options, value, on_gain=True),
     ),
-    "mk-li": Family("fixed point (Li)", "width [sd]", (1.5, 3.0, 6.0), 0.75, 12.0, lambda options, value: fixed_point(value, LI)),
+    "mk-li": Family("fixed point (Li)", "width [sd]", around(3.0), lambda options, value: fixed_point(value, LI)),
     "mcc1": Family(
-        "fixed point (Chen)", "width [sd]", (1.5, 3.0, 6.0), 0.75, 12.0, lambda options, value: fixed_point(value, CHEN, prior=True)
+        "fixed point (Chen)", "width [sd]", around(3.0), lambda options, value: fixed_point(value, CHEN, prior=True)
     ),
-    "huber": Family("Huber", "threshold [sd]", (0.6725, 1.345, 2.69), 0.33625, 5.38, lambda options, value: huber(value)),
+    "huber": Family("Huber", "threshold [sd]", around(1.345), lambda options, value: huber(value)),
 }  # fmt: skip
 """The families that are tuned, in the order of the tables."""
 

@@ -98,7 +98,8 @@ _ERRATA = (
         "erratum",
         "(39) is a mixture of kernels, one for all channels; the multi-kernel correntropy of the works that the paper cites gives each "
         "channel its own width.",
-        "The mixture is used where the paper is followed; the cited filter is run as `mk-li` and `mk-li-warm`.",
+        "The mixture is used where the paper is followed; the cited filter is run as `mk-li` and `mk-li-warm`, with "
+        "weight one for the prior; in the ensemble `full` also with the prior weighed.",
     ),
 )
 
@@ -158,7 +159,8 @@ _READINGS = (
         "A9",
         "ambiguity",
         "(14) adds noise to a rotation matrix, and the quaternion of (15) is corrected by a sum in (24).",
-        "Noise and corrections of the attitude are rotations, multiplied from the body's side. The literal sum is a comparison only.",
+        "Noise and corrections of the attitude are rotations, multiplied from the body's side. The literal sum, with the "
+        "quaternion made a unit again, differs in second order and is not run.",
     ),
     Assumption(
         "A10",
@@ -179,8 +181,8 @@ _BRIEF = (
         "B2",
         "correction",
         "The brief's point 2: in F0 and F1 one further eigenvalue, 1e-9 to 1e-10 of the largest, is yaw by gyrocompassing.",
-        "It is 1.9e-7 in F0 and 5.6e-11 in F1; the ranks of check A16 are the brief's, if F and H are taken along the drive that the model "
-        "itself integrates and the transport rate is left aside (with it a velocity shows in F0, 1.7e-8).",
+        "It is 1.9e-7 in F0 and 5.6e-11 in F1; the brief's ranks at both thresholds hold if F and H are taken along the drive that the "
+        "model itself integrates and the transport rate is left aside (with it a velocity shows in F0, 1.7e-8).",
     ),
     Assumption(
         "B3",

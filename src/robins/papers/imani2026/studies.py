@@ -78,29 +78,44 @@ def outliers(settings: Settings, results: Results) -> Output:
     return Output(pd.concat(frames, ignore_index=True))
 
 
-def scale_methods(settings: Settings) -> dict[tuple[str, float], Method]:
-    """The whole range from no update to the EKF, by (method, scale); nominal R and Q."""
-    options = settings.options
-    methods = {("mk-norm", c): Method(multi_kernel(options, c)) for c in KERNEL_SCALES}
-    methods |= {("mk-norm-gain", c): Method(multi_kernel(options, c, on_gain=True)) for c in KERNEL_SCALES}
-    methods |= {("single-kernel", width): Method(correntropy([width], [1.0])) for width in SINGLE_WIDTHS}
-    methods |= {("gate", threshold): Method(gate(threshold)) for threshold in GATES}
+def scale_methods(options: Mapping, noise: Mapping[str, float], chi_square: Method) -> dict[tuple[str, float], Method]:
+    """The whole range from no update to the EKF, by (method, scale).
+
+    Parameters
+    ----------
+    options : mapping
+        The paper's section of the configuration.
+    noise : mapping of str to float
+        Multiplier of R of the methods ``mk-norm``, ``mk-norm-gain``, ``single-kernel`` and ``gate``.
+    chi_square : Method
+        The CI-RKF that they are compared with.
+    """
+    methods = {("mk-norm", c): Method(multi_kernel(options, c), noise["mk-norm"]) for c in KERNEL_SCALES}
+    methods |= {("mk-norm-gain", c): Method(multi_kernel(options, c, on_gain=True), noise["mk-norm-gain"]) for c in KERNEL_SCALES}
+    methods |= {("single-kernel", width): Method(correntropy([width], [1.0]), noise["single-kernel"]) for width in SINGLE_WIDTHS}
+    methods |= {("gate", threshold): Method(gate(threshold), noise["gate"]) for threshold in GATES}
     methods |= {("ekf-r", 10.0**k): Method(weighting("unit"), noise_scale=10.0**k) for k in NOISE_DECADES}
     methods[("no-update", 0.0)] = Method(weighting("unit"), updates=False)
-    methods[("ci-seq", 1.0)] = Method(increment(options))
+    methods[("ci-seq", 1.0)] = chi_square
     return methods
 
 
-def scale(settings: Settings) -> Output:
+SCALED = ("mk-norm", "mk-norm-gain", "single-kernel", "gate")
+MAPPED = ("mk-norm", "mk-norm-gain", "ci-seq")
+
+
+def scale(settings: Settings, results: Results) -> Output:
     """Errors over the kernel scale, with its controls: columns formulation, rate, method, scale and those of `scores`.
 
-    F0 over the reporting runs without outliers; F1 over those of a sweep, for the kernels and the chi-square filter at every rate
-    of outliers.
+    F0 over the reporting runs without outliers, with R and the CI-RKF as they are conventionally; F1 over those of a sweep with R and
+    the CI-RKF as tuned, for the kernels and the CI-RKF at every rate of outliers.
     """
-    base, frames = headline(settings), []
-    methods = scale_methods(settings)
-    frames.append(scaled(base, range(settings.sizes["runs"]), methods, formulation="F0", rate=0.0))
-    mapped = {key: method for key, method in methods.items() if key[0] in ("mk-norm", "mk-norm-gain", "ci-seq")}
+    base, options = headline(settings), settings.options
+    nominal = scale_methods(options, dict.fromkeys(SCALED, 1.0), Method(increment(options)))
+    frames = [scaled(base, range(settings.sizes["runs"]), nominal, formulation="F0", rate=0.0)]
+    noise = {family: frozen(results, family).noise_scale for family in SCALED}
+    methods = scale_methods(options, noise, tuned("ci-seq", options, frozen(results, "ci-seq")))
+    mapped = {key: method for key, method in methods.items() if key[0] in MAPPED}
     for rate in OUTLIER_RATES:
         case = base._replace(sensors=Sensors(outliers=Outliers(rate)))
         runs = runs_at(settings, case.rate_hz)

@@ -45,7 +45,8 @@ PRINTED_ORDER = ("drift", "rmse", "mean", "sd")
 """The metrics in the order of the paper's Table 5."""
 PAIRS = (
     PAIR, PRINTED_PAIR, ("mk-norm-gain-nominal", "ci-seq-nominal"), (CI, "ekf"), (CI, "ekf-tuned"), (MKMC, "ekf"), (MKMC, "ekf-tuned"),
-    (MKMC, "no-update"), (MKMC, "ci-corr"), (MKMC, "gate"), (MKMC, "single-kernel"), (MKMC, "mk-norm"), (MKMC, "mk-li"), (MKMC, "mcc1"),
+    (MKMC, "no-update"), (MKMC, "ci-corr"), (MKMC, "gate"), (MKMC, "single-kernel"),
+    (MKMC, "single-kernel-gain"), (MKMC, "mk-norm"), (MKMC, "mk-li"), (MKMC, "mcc1"),
     (MKMC, "huber"), ("ekf-tuned", "no-update"),
 )  # fmt: skip
 """Every comparison of `extra-ratios`: the filter that may be better, and the other."""

@@ -5,8 +5,10 @@ where the optimum is in the middle, of its better neighbour). So an optimum at a
 has exactly sixteen settings. The objective is the mean over the twelve channels of the logarithm of the ensemble RMSE against
 the truth in F1; a setting under which a run fails is never chosen.
 
-The brief asks for an equal number of evaluated settings; that every family also shares the multiplier of R is a choice of ours:
-without it, what a robust filter gains could be the gain of another R.
+The brief asks for an equal number of evaluated settings. That every family also shares the multiplier of R, and that the own knobs of
+all robust families go equally far, a factor of four on either side of the conventional setting, are choices of ours: without the first,
+what a robust filter gains could be the gain of another R, without the second that of a longer grid. The EKF's own knob, the multiplier
+of Q, has steps of a third of a decade, so that its sixteen settings are sixteen ratios of Q to R.
 """
 
 from collections.abc import Mapping
@@ -64,7 +66,7 @@ def search(family: str, settings: Settings, condition: str) -> pd.DataFrame:
     found, failed = evaluate(family, settings, case, grid)
     losses = np.array(found).reshape(len(NOISE_SCALES), len(knob.grid))
     new_scale = outward(NOISE_SCALES, losses.min(axis=1), NOISE_BELOW, NOISE_ABOVE)
-    new_value = outward(knob.grid, losses.min(axis=0), knob.below, knob.above)
+    new_value = outward(knob.grid, losses.min(axis=0), knob.values[0], knob.values[-1])
     more = [Setting(new_scale, value) for value in (*knob.grid, new_value)] + [Setting(scale, new_value) for scale in NOISE_SCALES]
     found_more, failed_more = evaluate(family, settings, case, more)
     settings_of = pd.DataFrame([*grid, *more], columns=["noise_scale", "value"])
