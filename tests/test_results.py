@@ -155,3 +155,26 @@ def test_a_notebook_is_its_source_executed_without_an_error(repository, name):
     kinds = [output.output_type for cell in code for output in cell.outputs]
     assert kinds
     assert "error" not in kinds
+
+
+def test_table_5_of_imani2026_says_what_its_other_tables_say(results):
+    """The comparison stands in three tables, which one falsified number cannot all agree with."""
+    folder = results / "imani2026" / "tables"
+    short, everywhere, filters, ratios = (
+        pd.read_csv(folder / f"{name}.csv") for name in ("table-5", "extra-table-5", "extra-filters", "extra-ratios")
+    )
+    headline = everywhere[(everywhere["formulation"] == "F1") & (everywhere["against"] == "truth")]
+    compared = filters["filter"].isin(["ci-seq", "mk-norm-gain"]) & (filters["formulation"] == "F1")
+    levels = filters[compared].set_index(["filter", "channel"])["rmse"].map(float)
+    pair = ratios[(ratios["filter"] == "mk-norm-gain") & (ratios["over"] == "ci-seq") & (ratios["formulation"] == "F1")].set_index(
+        "channel"
+    )
+    for row in short.to_dict("records"):
+        channel = row["channel"]
+        assert row["rmse_ci"] == pytest.approx(levels["ci-seq", channel], rel=1e-9)
+        assert row["rmse_mkmc"] == pytest.approx(levels["mk-norm-gain", channel], rel=1e-9)
+        assert row["rmse_improvement"] == pytest.approx(100 * (1 - row["rmse_mkmc"] / row["rmse_ci"]), abs=1e-6)
+        assert row["rmse_improvement"] == pytest.approx(100 * (1 - float(pair.loc[channel, "ratio"])), abs=1e-6)
+        for metric in ("drift", "rmse", "mean", "sd"):
+            (other,) = headline[(headline["channel"] == channel) & (headline["metric"] == metric)]["improvement"].map(float)
+            assert row[f"{metric}_improvement"] == pytest.approx(other, abs=1e-9)

@@ -90,7 +90,9 @@ def cell(channel, verdict, improvement=None):
 
 def test_a_tally_names_all_but_the_commonest_kind():
     told = tally([cell("v_e", ABOVE), cell("v_n", ABOVE), cell("w_u", BELOW)])
-    assert told == "Of 3 intervals 2 above 0, 0 containing 0, 1 below 0 or without surviving runs (omega_u rmse)."
+    assert (
+        told == "Of 3 intervals 2 above 0, 0 containing 0 or off it only before Holm, 1 below 0 or without surviving runs (omega_u rmse)."
+    )
 
 
 def test_a_row_of_one_cell_has_its_numbers_and_one_of_several_has_a_count():

@@ -83,6 +83,9 @@ def forest(name: str, title: str, published: bool, caption: str) -> Figure:
     )  # fmt: skip
 
 
+SCALE_SETTINGS = {"F0": "F0, conventional settings. ", "F1": "F1, R of the kernels and the gate and the CI-RKF as tuned. "}
+
+
 def scale_curve(formulation: str, size: str) -> Figure:
     """The way from no update to the EKF in one formulation."""
     return extra(
@@ -90,7 +93,8 @@ def scale_curve(formulation: str, size: str) -> Figure:
         partial(scale.draw_scale_curve, formulation=formulation), ("scale",),
         "Kernels and gates by width, for a mixture that of its middle kernel; ∞ is the EKF. Beside it the EKF with R enlarged. Lines and "
         "bands across: no update, and the CI-RKF. A filter that wins only where it stops updating has not become robust. "
-        + GROUPED + BARS + f"Nominal settings, {formulation}. " + HEADLINE + RUNS, size,
+        + GROUPED + BARS + SCALE_SETTINGS[formulation]
+        + HEADLINE + RUNS, size,
     )  # fmt: skip
 
 
@@ -154,7 +158,7 @@ FIGURES = (
     extra(
         "improvement-map", "Improvement by outlier rate and kernel scale", scale.draw_improvement_map, ("scale",),
         "RMSE improvement over the CI-RKF, per cent; ×k: k times its RMSE. White is no difference. F1, zero-mean NIG gyro noise, 10 Hz, "
-        "two-sided outliers; every filter at nominal R and Q, the CI-RKF at its conventional thresholds. " + GROUPED + RUNS, "sweep_runs",
+        "two-sided outliers; R of the kernels and the CI-RKF as tuned. " + GROUPED + TUNED + RUNS, "sweep_runs",
     ),
     scale_curve("F0", "runs"),
     scale_curve("F1", "sweep_runs"),

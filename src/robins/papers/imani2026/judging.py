@@ -168,7 +168,9 @@ def improvement_rule(
     if side == "neither":
         contains = found.low <= 0 <= found.high
         why = "the interval contains 0" if contains else "it lies off 0 only before Holm's adjustment, so it counts as containing 0"
-        return Verdict.INCONCLUSIVE, f"{text}; {why}.{lost}"
+        few = f" Holm over twelve channels cannot decide with {found.n} runs." if found.n <= 7 else ""
+        short = f" and ends below {percent(threshold)}" if threshold is not None and found.high < threshold else ""
+        return Verdict.INCONCLUSIVE, f"{text}; {why}{short}.{few}{lost}"
     if side == "below":
         return Verdict.NOT_REPLICATED, f"{text}; the interval lies below 0.{lost}"
     if max(found.numerator_failed, found.denominator_failed) > FAILURE_LIMIT * found.n:
@@ -252,7 +254,7 @@ def tally(cells: Sequence[Cell]) -> str:
     """A sentence that counts the cells on each side of 0 and names all but the commonest kind."""
     if any(cell.verdict == Verdict.TOO_SMALL for cell in cells):
         return f"{cells[0].found.n} runs are too few for a verdict."
-    kinds: dict[str, list[str]] = {"above 0": [], "containing 0": [], "below 0 or without surviving runs": []}
+    kinds: dict[str, list[str]] = {"above 0": [], "containing 0 or off it only before Holm": [], "below 0 or without surviving runs": []}
     for cell in cells:
         kind = 0 if cell.verdict in ON_CLAIMED_SIDE else 1 if cell.verdict == Verdict.INCONCLUSIVE else 2
         kinds[list(kinds)[kind]].append(cell.name)

@@ -38,7 +38,7 @@ def tuning(results: Results) -> pd.DataFrame:
     for family, job in TUNING.items():
         for found in results.table(job).itertuples(index=False):
             rows.append({
-                "family": family, "condition": found.condition, "noise_scale": found.noise_scale, "value": found.value,
+                "family": family, "condition": found.condition, "noise_scale": found.noise_scale, "value": f"{found.value:.4g}",
                 "parameter": found.parameter, "stage": found.stage, "objective": finite(found.objective),
                 "chosen": "chosen" if found.chosen else "", "n": results.settings.sizes["tuning_runs"], "failed": int(found.failed),
             })  # fmt: skip
