@@ -68,7 +68,7 @@ def copied(tmp_path_factory):
 def test_a_second_process_has_only_cache_hits(copied):
     folder, cache, first = copied
     second = run(folder, cache)
-    assert "run_filter" in first["misses"] and first["hits"] == 0
+    assert "filter_records" in first["misses"] and first["hits"] == 0
     assert (second["misses"], second["hits"]) == ([], 1)
     assert second["posterior"] == first["posterior"] == pytest.approx(6 / 5)  # P = 1, R / w = 4
     assert second["warnings"] == [] and Path(second["cache"]).parent == cache
