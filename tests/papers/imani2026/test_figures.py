@@ -226,7 +226,7 @@ def test_a_caption_says_formulation_condition_and_tuning_and_has_an_n(name):
     assert figure.size in SETTINGS.sizes
     assert re.search(r"\bF[012]\b", said)
     assert re.search("10 Hz|run 1000", said)
-    assert re.search("[Nn]ominal|[Tt]un(ed|ing)", said)
+    assert re.search("[Nn]ominal|[Cc]onventional|[Tt]un(ed|ing)", said)
 
 
 @pytest.mark.parametrize("name", NAMES)
