@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from benchmarks import ours, peers, reference, system
+from benchmarks import ours, peers, propagation, reference, system
 from benchmarks.models import Drive, drive
 from benchmarks.rounds import interleave, ratio
 from benchmarks.systems import strapdown_drive
@@ -49,8 +49,9 @@ Counted is a whole call over 1000 epochs, divided by them. Ours writes its full 
 variances, innovations and their variances, weights, gain norms, NIS), C the states, covariances and NIS, filterpy what
 it keeps itself, its states and its covariances.
 
-Then: milliseconds of one run of 3300 steps with 21 error states; seconds to the first result of a second process (disk
-cache filled); and processor seconds of the standard ensemble of each paper, as noted by the last `snakemake` run."""
+Then: microseconds of F P F' + Q by loops and by BLAS; milliseconds of one run of 3300 steps with 21 error states;
+seconds to the first result of a second process (disk cache filled); and processor seconds of the standard ensemble of
+each paper, by stage, as noted by the last `snakemake` run."""
 
 
 def parse(arguments: list[str]) -> argparse.Namespace:
@@ -143,6 +144,16 @@ def show_steps(case: str, seconds: dict[str, np.ndarray], ratios: dict, why_no_c
             print(f"  against {peer}: {as_fraction(found['of_minima'])} ({goal}): {verdict(found['of_minima'], required, good)}; {span}")
 
 
+def measure_propagation(rounds: int) -> dict:
+    """Microseconds of ``F P F^T + Q`` by loops and by BLAS, case by case; prints them."""
+    found = {}
+    for case, make in CASES.items():
+        seconds = interleave(propagation.propagations(make(EPOCHS)), rounds)
+        found[case] = {name: 1e6 * float(each.min()) / propagation.CALLS for name, each in seconds.items()}
+        print(f"F P F' + Q, {case:20}loops {found[case]['loops']:.2f} us, BLAS {found[case]['BLAS']:.2f} us")
+    return found
+
+
 def measure_run(rounds: int) -> dict:
     """Milliseconds of one run of `RUN_EPOCHS` steps with 21 error states, after compilation; prints them."""
     recorded = strapdown_drive(True, RUN_EPOCHS)
@@ -177,7 +188,8 @@ def main(arguments: list[str]) -> None:
     if (about["load"] or 0.0) >= BUSY:
         print(f"load {about['load']}: other work slows filterpy more than compiled code, so its ratios flatter us; wait for quiet")
     with threadpool_limits(1):
-        found = {"machine": about, "steps": measure_steps(options.rounds), "run": measure_run(options.rounds), "system": measure_system()}
+        found = {"machine": about, "steps": measure_steps(options.rounds), "propagation": measure_propagation(options.rounds)}
+        found |= {"run": measure_run(options.rounds), "system": measure_system()}
     if options.record:
         path = ROOT / "benchmarks" / "records" / f"{options.record}.json"
         path.parent.mkdir(exist_ok=True)

@@ -65,6 +65,7 @@ def test_a_missing_peer_says_why(capsys):
 def test_a_record_is_written_only_on_demand(tmp_path, monkeypatch):
     monkeypatch.setattr(entry, "ROOT", tmp_path)
     monkeypatch.setattr(entry, "measure_steps", lambda rounds: {"rounds": rounds})
+    monkeypatch.setattr(entry, "measure_propagation", lambda rounds: {})
     monkeypatch.setattr(entry, "measure_run", lambda rounds: {})
     monkeypatch.setattr(entry, "measure_system", lambda: {})
     (tmp_path / "benchmarks").mkdir()
@@ -87,6 +88,7 @@ def test_a_ratio_without_a_goal_is_shown_and_not_judged(capsys):
 def test_a_busy_machine_is_called_so(load, warned, monkeypatch, capsys):
     monkeypatch.setattr(system, "machine", lambda: {"load": load})
     monkeypatch.setattr(entry, "measure_steps", lambda rounds: {})
+    monkeypatch.setattr(entry, "measure_propagation", lambda rounds: {})
     monkeypatch.setattr(entry, "measure_run", lambda rounds: {})
     monkeypatch.setattr(entry, "measure_system", lambda: {})
     entry.main([])

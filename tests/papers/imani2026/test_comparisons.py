@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from robins.evaluate.intervals import SWAPS, holm
+from robins.evaluate.ensembles import SWAPS, holm
 from robins.papers.imani2026.comparisons import (
     METRICS,
     adjusted,

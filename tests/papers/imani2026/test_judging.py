@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from robins.evaluate.intervals import Improvement
+from robins.evaluate.ensembles import Improvement
 from robins.evaluate.verdicts import Verdict
 from robins.papers.imani2026.judging import (
     HEADLINE,

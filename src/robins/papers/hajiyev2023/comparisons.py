@@ -4,9 +4,7 @@ A run's scores are kept by (branch, condition, estimate) as arrays, and each pai
 `Results`, since its bootstrap is what costs.
 """
 
-from collections.abc import Callable
 from typing import NamedTuple
-from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -16,6 +14,7 @@ from robins.evaluate.verdicts import Verdict, bootstrap_remark, failures, side_o
 from robins.foundation.randomness import stream
 from robins.navigation.aircraft import ANGULAR, STATES
 from robins.papers.hajiyev2023.scenario import BRANCHES, CONDITIONS, KEY, System, baseline, differenced, system
+from robins.papers.memory import once
 from robins.papers.protocol import Results
 
 MDKF, AMDKF = "mdkf-printed", "amdkf-printed"
@@ -74,20 +73,9 @@ class Scores(NamedTuple):
     failed: np.ndarray
 
 
-_kept: WeakKeyDictionary[Results, dict] = WeakKeyDictionary()
-
-
-def _once(results: Results, key: tuple, make: Callable):
-    """What `make` returns, made at the first call with this `key`."""
-    kept = _kept.setdefault(results, {})
-    if key not in kept:
-        kept[key] = make()
-    return kept[key]
-
-
 def scores(results: Results, variant: str, branch: str, condition: str, estimate: str = "delayed") -> Scores:
     """The scores of a variant; see `Scores`."""
-    return _once(results, ("scores", variant), lambda: _arranged(results, variant))[branch, condition, estimate]
+    return once(results, ("scores", variant), lambda: _arranged(results, variant))[branch, condition, estimate]
 
 
 def kinds(results: Results, variant: str) -> list[str]:
@@ -123,7 +111,7 @@ def ratio(results: Results, pair: Pair, branch: str, condition: str, state: str)
         what = f"{pair.numerator}-over-{pair.denominator}-{pair.estimate}-{branch}-{condition}"
         return summary_of(results, what, state, above.rmse[:, i], below.rmse[:, i], above.failed, below.failed)
 
-    return _once(results, ("ratio", pair, branch, condition, state), make)
+    return once(results, ("ratio", pair, branch, condition, state), make)
 
 
 def fault_ratio(results: Results, variant: str, what: str, branch: str, state: str, estimate: str = "delayed") -> RatioSummary:
@@ -134,7 +122,7 @@ def fault_ratio(results: Results, variant: str, what: str, branch: str, state: s
         values = [getattr(side, what)[:, STATES.index(state)] for side in (above, below)]
         return summary_of(results, f"{variant}-{what}-{estimate}-{branch}-fault-over-healthy", state, *values, above.failed, below.failed)
 
-    return _once(results, ("fault", variant, what, branch, state, estimate), make)
+    return once(results, ("fault", variant, what, branch, state, estimate), make)
 
 
 def harm_ratio(results: Results, pair: Pair, branch: str, state: str) -> RatioSummary:

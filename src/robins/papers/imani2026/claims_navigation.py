@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from robins.evaluate.intervals import Level, mean_interval
+from robins.evaluate.ensembles import Level
+from robins.evaluate.intervals import mean_interval
 from robins.evaluate.ledger import FAILED, Row
 from robins.evaluate.published import rows_of
 from robins.evaluate.verdicts import FAILURE_LIMIT, Verdict

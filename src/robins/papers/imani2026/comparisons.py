@@ -5,17 +5,17 @@ value for the mean error and the final drift. An improvement is one minus the ra
 channels and measures of a pair come from one set of resampled runs, computed once for a `Results`.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import NamedTuple
-from weakref import WeakKeyDictionary
 
 import numpy as np
 import pandas as pd
 
-from robins.evaluate.intervals import Improvement, Level, ensemble_improvement, ensemble_level, holm, multiplicities
+from robins.evaluate.ensembles import Improvement, Level, ensemble_improvement, ensemble_level, holm, multiplicities
 from robins.foundation.randomness import stream
 from robins.papers.imani2026.drive import CHANNELS, DURATION, KEY
 from robins.papers.imani2026.scoring import AVERAGED
+from robins.papers.memory import once
 from robins.papers.protocol import Results
 
 __all__ = [
@@ -60,17 +60,6 @@ class Scores(NamedTuple):
     failed: np.ndarray
 
 
-_kept: WeakKeyDictionary[Results, dict] = WeakKeyDictionary()
-
-
-def _once(results: Results, key: tuple, make: Callable):
-    """What `make` returns, made at the first call with this `key`."""
-    kept = _kept.setdefault(results, {})
-    if key not in kept:
-        kept[key] = make()
-    return kept[key]
-
-
 def _grouped_matrices(table: pd.DataFrame, names: list[str], columns) -> dict[tuple, dict[str, np.ndarray]]:
     """Columns of a long table as (runs, channels), runs in order, for every combination of the labels `names`."""
     run, channel = table["run"].to_numpy(), table["channel"].to_numpy()
@@ -89,7 +78,7 @@ def _grouped_matrices(table: pd.DataFrame, names: list[str], columns) -> dict[tu
 
 def scores(results: Results, variant: str, formulation: str, against: str = "truth") -> Scores:
     """Measures of a variant; against ``interval`` velocity and angles are those against ``truth``, which have no average."""
-    return _once(results, ("scores", variant), lambda: _arranged(results, variant))[formulation, against]
+    return once(results, ("scores", variant), lambda: _arranged(results, variant))[formulation, against]
 
 
 def _arranged(results: Results, variant: str) -> dict[tuple[str, str], Scores]:
@@ -114,7 +103,7 @@ def _completed(averaged: Scores, complete: Scores) -> Scores:
 
 def sweep_scores(results: Results, study: str, where: Mapping, of: Filter) -> Scores:
     """Measures of a filter in a study, at the labels `where` (every column in front of ``run`` but the filter's)."""
-    by_labels = _once(results, ("sweep", study), lambda: _grouped(results, study))
+    by_labels = once(results, ("sweep", study), lambda: _grouped(results, study))
     labels = _labels(where, of)
     key = frozenset(labels.items())
     if key not in by_labels:
@@ -166,7 +155,7 @@ def level(results: Results, variant: str, formulation: str, against: str, metric
     def make() -> Level:
         return _levels(results, scores(results, variant, formulation, against), metric, f"{variant}-{formulation}-{against}")
 
-    return of_channel(_once(results, ("level", variant, formulation, against, metric), make), channel)
+    return of_channel(once(results, ("level", variant, formulation, against, metric), make), channel)
 
 
 def improvements(results: Results, numerator: str, denominator: str, formulation: str, against: str, metric: str) -> Improvement:
@@ -176,13 +165,13 @@ def improvements(results: Results, numerator: str, denominator: str, formulation
         above, below = (scores(results, name, formulation, against) for name in (numerator, denominator))
         return _improvements(results, above, below, metric, f"{numerator}-over-{denominator}-{formulation}-{against}")
 
-    return _once(results, ("improvement", numerator, denominator, formulation, against, metric), make)
+    return once(results, ("improvement", numerator, denominator, formulation, against, metric), make)
 
 
 def improvement(
     results: Results, numerator: str, denominator: str, formulation: str, against: str, metric: str, channel: str
 ) -> Improvement:
-    """By how much the numerator's filter is better in a metric of a channel; see `robins.evaluate.intervals.Improvement`."""
+    """By how much the numerator's filter is better in a metric of a channel; see `robins.evaluate.ensembles.Improvement`."""
     return of_channel(improvements(results, numerator, denominator, formulation, against, metric), channel)
 
 
@@ -198,7 +187,7 @@ def sweep_level(results: Results, study: str, where: Mapping, of: Filter, metric
     def make() -> Level:
         return _levels(results, sweep_scores(results, study, where, of), metric, f"{study}-{_words(labels)}")
 
-    return of_channel(_once(results, ("sweep-level", study, frozenset(labels.items()), metric), make), channel)
+    return of_channel(once(results, ("sweep-level", study, frozenset(labels.items()), metric), make), channel)
 
 
 def sweep_improvements(results: Results, study: str, where: Mapping, numerator: Filter, denominator: Filter, metric: str) -> Improvement:
@@ -210,7 +199,7 @@ def sweep_improvements(results: Results, study: str, where: Mapping, numerator: 
         return _improvements(results, above, below, metric, f"{_words(sides[0])}-over-{_words(sides[1])}-{study}-{_words(where)}")
 
     key = ("sweep-improvement", study, *(frozenset(labels.items()) for labels in (where, *sides)), metric)
-    return _once(results, key, make)
+    return once(results, key, make)
 
 
 def sweep_improvement(

@@ -19,7 +19,7 @@ HEADLINE = "Headline condition: 10 Hz, zero-mean NIG gyro noise, no outliers. "
 RUNS = "Runs 0 to n-1. "
 TUNED = f"Tuned filters: two knobs, one budget, on runs {FIRST_TUNING_RUN} and up in F1, which are reported nowhere else. "
 GROUPED = "A group's RMSE is the geometric mean over its three channels. "
-BARS = "Bars: 95 % bootstrap intervals over the runs. "
+BARS = "Bars: 95 % intervals over the runs, from a bootstrap, or below fifty runs Student's on a jackknife. "
 PRINTED = "MKMC-EKF: weights normalised, W on the gain; as printed it runs too, and the title says in how many runs it fails. "
 SHORT = dict(zip(GROUPS, ("velocity", "acceleration", "rate", "euler"), strict=True))
 """Groups of channels as they stand in file names."""

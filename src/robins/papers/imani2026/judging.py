@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from robins.evaluate.intervals import Improvement
+from robins.evaluate.ensembles import Improvement
 from robins.evaluate.ledger import FAILED, OVERALL, Row
 from robins.evaluate.published import rows_of
 from robins.evaluate.verdicts import FAILURE_LIMIT, ON_CLAIMED_SIDE, Verdict, combine
@@ -168,7 +168,8 @@ def improvement_rule(
     if side == "neither":
         contains = found.low <= 0 <= found.high
         why = "the interval contains 0" if contains else "it lies off 0 only before Holm's adjustment, so it counts as containing 0"
-        few = f" Holm over twelve channels cannot decide with {found.n} runs." if found.n <= 7 else ""
+        undecidable = 2 * len(CHANNELS) > SIGNIFICANCE * 2**found.n  # the smallest p of so few runs, by exchanges, after Holm
+        few = f" Holm over twelve channels cannot decide with {found.n} runs." if undecidable else ""
         short = f" and ends below {percent(threshold)}" if threshold is not None and found.high < threshold else ""
         return Verdict.INCONCLUSIVE, f"{text}; {why}{short}.{few}{lost}"
     if side == "below":

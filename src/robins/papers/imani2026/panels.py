@@ -14,7 +14,7 @@ from matplotlib.figure import FigureBase
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
-from robins.evaluate.intervals import LEVEL, multiplicities, with_stand_ins
+from robins.evaluate.ensembles import log_ends, multiplicities, with_stand_ins
 from robins.foundation.randomness import stream
 from robins.papers.imani2026.comparisons import GROUPS, Filter, Scores, sweep_scores
 from robins.papers.imani2026.drive import CHANNELS, KEY
@@ -28,7 +28,6 @@ SYMBOLS = dict(zip(CHANNELS, ("$V_e$", "$V_n$", "$V_u$", "$a_e$", "$a_n$", "$a_u
 UNITS = dict(zip(GROUPS, ("m/s", "m/s²", "rad/s", "deg"), strict=True))
 GROUP_OF = {channel: group for group, channels in GROUPS.items() for channel in channels}
 TITLES = {"F0": "F0, quasi-static", "F1": "F1, augmented", "F2": "F2, hybrid"}
-ENDS = ((1 - LEVEL) / 2, (1 + LEVEL) / 2)
 PERCENTAGES = (
     tuple(range(-50, 51, 2)),
     tuple(range(-50, 51, 5)),
@@ -45,7 +44,7 @@ TICK_GAP = {"x": 0.11, "y": 0.08}
 
 
 class Grouped(NamedTuple):
-    """A number for each of `GROUPS` with its bootstrap interval, shape (4,), and how many of the runs failed."""
+    """A number for each of `GROUPS` with its interval, shape (4,), and how many of the runs failed."""
 
     estimate: np.ndarray
     low: np.ndarray
@@ -158,16 +157,22 @@ def _by_group(values: np.ndarray) -> np.ndarray:
     return np.mean(values.reshape(*values.shape[:-1], len(GROUPS), -1), axis=-1)
 
 
+def _grouped(results: Results, above: np.ndarray, below: np.ndarray | None) -> np.ndarray:
+    """Estimate and ends of the groups' ensemble values, or of their ratios, from squared errors; one run has no interval."""
+    logs = np.log(np.mean(above, axis=0) / (1.0 if below is None else np.mean(below, axis=0))) / 2
+    estimate = _by_group(logs)
+    if len(above) < 2:
+        return np.exp([estimate] * 3)
+    return np.exp([estimate, *log_ends(above, below, 2, lambda: _counts(results, len(above)), _by_group)])
+
+
 def group_level(results: Results, study: str, where: Mapping, of: Filter) -> Grouped:
     """Ensemble RMSE of a study's filter over the surviving runs, SI; NaN when none survives."""
     found = sweep_scores(results, study, where, of)
     squares = np.square(found.rmse[~found.failed])
     if not len(squares):
         return Grouped(*np.full((3, len(GROUPS)), np.nan), int(found.failed.sum()))
-    logs = np.log(np.mean(squares, axis=0)) / 2
-    resampled = np.log(_counts(results, len(squares)) @ squares / len(squares)) / 2
-    low, high = np.quantile(_by_group(resampled), ENDS, axis=0)
-    return Grouped(*np.exp([_by_group(logs), low, high]), int(found.failed.sum()))
+    return Grouped(*_grouped(results, squares, None), int(found.failed.sum()))
 
 
 def group_ratio(results: Results, study: str, where: Mapping, numerator: Filter, denominator: Filter) -> Grouped:
@@ -182,8 +187,4 @@ def ratio_of(results: Results, above: Scores, below: Scores) -> Grouped:
     if (above.failed | below.failed).all():
         return Grouped(*np.full((3, len(GROUPS)), np.nan), failed)
     errors = with_stand_ins(above.rmse, below.rmse, above.failed, below.failed, 2)
-    counts = _counts(results, len(above.failed))
-    logs = np.log(np.mean(errors[0] ** 2, axis=0) / np.mean(errors[1] ** 2, axis=0)) / 2
-    resampled = np.log((counts @ errors[0] ** 2) / (counts @ errors[1] ** 2)) / 2
-    low, high = np.quantile(_by_group(resampled), ENDS, axis=0)
-    return Grouped(*np.exp([_by_group(logs), low, high]), failed)
+    return Grouped(*_grouped(results, errors[0] ** 2, errors[1] ** 2), failed)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from robins.evaluate.intervals import Improvement, Level
+from robins.evaluate.ensembles import Improvement, Level
 from robins.papers.columns import ends, finite
 from robins.papers.imani2026.comparisons import GROUPS
 from robins.papers.imani2026.drive import CHANNELS
@@ -14,7 +14,7 @@ RUNS = "Runs 0 to n - 1 of the configuration's seed; settings were tuned on runs
 """Which runs a table reports from, and which it does not."""
 HEADLINE = "10 Hz, zero-mean normal-inverse-Gaussian gyro noise, no outliers."
 RATIO = "an improvement is what the ratio lacks to 1"
-INTERVAL = "95 % bootstrap interval over the runs"
+INTERVAL = "95 % interval over the runs (bootstrap; below fifty runs Student's on a jackknife)"
 LOSSES = "A failed run counts as a loss of its filter."
 SURVIVORS = "Over the surviving runs; the median counts a failed run as infinite."
 FORMULATIONS_CAPTION = "F0: quasi-static (printed states), F1: augmented, F2: hybrid."

@@ -4,7 +4,8 @@ import numpy as np
 import pandas as pd
 
 from robins.evaluate.consistency import chi_square_band
-from robins.evaluate.intervals import ensemble_level, mean_interval
+from robins.evaluate.ensembles import ensemble_level
+from robins.evaluate.intervals import mean_interval
 from robins.foundation.randomness import stream
 from robins.papers.columns import counts, ends, finite, keys, make, numbers, texts
 from robins.papers.imani2026.comparisons import (
