@@ -152,6 +152,16 @@ def test_the_delayed_estimate_is_the_fixed_lag_smoother_by_state_augmentation(pr
         else:
             assert np.isnan(record.delayed[:, k]).all()
     assert np.isnan(record.delayed[:, -1]).all()
+    assert record.delayed.shape == (2, EPOCHS, n) and record.delayed_variance.shape == (2, EPOCHS, n)
+
+
+def test_a_delayed_estimate_that_nobody_asked_for_takes_no_room(problem):
+    case = problem(5)
+    record = run_filter(Ekf(), case.model, case.sensor, WEIGHTINGS["unit"], *case.arguments, 3, False)
+    plan = schedule(Ekf(), case.model, case.sensor, case.P0, np.ones((EPOCHS, 3)), case.valid, 3, False)
+    scheduled = run_schedule(plan, case.model, case.sensor, case.x0, case.controls, case.measurements, 3, False)
+    assert record.delayed.shape == scheduled.delayed.shape == (2, 0, 3)
+    assert record.delayed_variance.shape == (2, 0, 3) and scheduled.delayed_variance.shape == (1, 0, 3)
 
 
 @pytest.mark.parametrize("at", ["C_update", "C_predict"])

@@ -8,8 +8,8 @@ from numba import njit
 from numba.core.errors import TypingError
 
 from robins.kalman.extension import implements
-from robins.kalman.filter import run_filter
-from robins.kalman.model import linear_sensor, linearise, linearise_observation, observe, propagate, retract
+from robins.kalman.filter import run_filter, schedule
+from robins.kalman.model import LinearModel, linear_sensor, linearise, linearise_observation, measurement_noise, observe, propagate, retract
 from robins.kalman.predict import Ekf, Ukf
 from robins.kalman.reweighted import process
 from robins.kalman.update import update_error
@@ -80,6 +80,14 @@ def test_an_error_is_added_where_the_model_does_not_say_otherwise(problem, compi
     x = np.array([1.0, 2.0, 3.0, 4.0])
     apply(problem(1).model, x, np.array([0.5, -2.0, 0.0, 1.0]))
     np.testing.assert_array_equal(x, [1.5, 0.0, 3.0, 5.0])
+
+
+@pytest.mark.parametrize("compiled", [False, True], ids=["in python", "compiled"])
+def test_the_noise_of_an_epoch_is_the_sensors_own_where_the_sensor_does_not_say_otherwise(problem, compiled):
+    write = njit(lambda sensor, u, R: measurement_noise(sensor, u, R)) if compiled else measurement_noise
+    R = np.array([[2.0, 0.5], [0.5, 3.0]])
+    write(problem(1).sensor, np.zeros(1), R)
+    np.testing.assert_array_equal(R, [[2.0, 0.5], [0.5, 3.0]])
 
 
 # A state on the circle: two numbers, (cos, sin) of an angle, with an error of one.
@@ -190,3 +198,67 @@ def test_what_needs_a_state_as_long_as_its_error_says_so(predictor, delayed):
     x0, controls, measurements, _ = circle_case()
     with pytest.raises(ValueError, match="need a state that is as long as its error"):
         run_filter(predictor, Circle(Q), COMPASS, PLAIN, x0, np.eye(1), controls, measurements, np.ones(EPOCHS, bool), 2, delayed)
+
+
+# A receiver that reports the standard deviation of each of its fixes.
+
+
+class Receiver(NamedTuple):
+    """Measures the only state; the standard deviation is the second input, where that is not zero."""
+
+    R: np.ndarray
+    R_fixed: np.ndarray
+    C_update: np.ndarray
+    C_predict: np.ndarray
+
+
+RECEIVER = Receiver(np.array([[0.5]]), np.array([[0.1]]), np.zeros((1, 1)), np.zeros((1, 1)))
+WALK = LinearModel(np.eye(1), np.array([[1.0, 0.0]]), np.array([[Q]]))
+
+
+@pytest.fixture(scope="module")
+def receiver(circle):
+    @implements(observe, Receiver)
+    @njit
+    def observe_position(sensor, x, u, z):
+        z[0] = x[0]
+
+    @implements(linearise_observation, Receiver)
+    @njit
+    def linearise_position(sensor, x, u, H):
+        H[0, 0] = 1.0
+
+    @implements(measurement_noise, Receiver)
+    @njit
+    def report(sensor, u, R):
+        if u[1] > 0.0:
+            R[0, 0] = u[1] ** 2
+
+    return RECEIVER
+
+
+def test_each_epoch_is_processed_with_the_noise_that_the_sensor_reports_for_it(receiver):
+    """Independent: the scalar filter. Every run begins with the sensor's own noise, and what is not measured is not reported."""
+    rng = np.random.default_rng(2)
+    controls = np.stack([rng.normal(size=EPOCHS), rng.uniform(0.1, 2.0, EPOCHS)], axis=1)
+    controls[[0, 9], 1] = 0.0
+    valid, measurements = np.arange(EPOCHS) % 7 != 1, rng.normal(size=(2, EPOCHS, 1))
+    own = receiver.R.copy()
+    record = run_filter(Ekf(), WALK, receiver, PLAIN, np.zeros((2, 1)), np.array([[P0]]), controls, measurements, valid, 1, False)
+    for run in range(2):
+        x, P, R = 0.0, P0, receiver.R[0, 0]
+        for k in range(EPOCHS):
+            if valid[k]:
+                R = controls[k, 1] ** 2 or R
+                gain = P / (P + R + receiver.R_fixed[0, 0])
+                assert record.innovation_variance[run, k, 0] == pytest.approx(P + R + receiver.R_fixed[0, 0], rel=1e-12)
+                x, P = x + gain * (measurements[run, k, 0] - x), (1.0 - gain) * P
+            assert record.posterior[run, k, 0] == pytest.approx(x, rel=1e-10, abs=1e-12)
+            assert record.posterior_variance[run, k, 0] == pytest.approx(P, rel=1e-10)
+            x, P = x + controls[k, 0], P + Q
+    np.testing.assert_array_equal(receiver.R, own)
+
+
+def test_a_schedule_refuses_a_sensor_whose_noise_depends_on_the_input(receiver):
+    with pytest.raises(ValueError, match="^a schedule needs measurement noise that does not depend on the input$"):
+        schedule(Ekf(), WALK, receiver, np.eye(1), np.ones((EPOCHS, 1)), np.ones(EPOCHS, bool), 1, False)

@@ -16,8 +16,8 @@ from numba import njit
 
 from robins.foundation.smallmat import assign, kernel, multiply, solve_rows, times_vector, whiten
 from robins.kalman.differencing import correlate_prediction
-from robins.kalman.extension import entry_point
-from robins.kalman.model import linearise_observation, observe, propagate, retract
+from robins.kalman.extension import entry_point, has_kernel
+from robins.kalman.model import linearise_observation, measurement_noise, observe, propagate, retract
 from robins.kalman.predict import Ukf, predict
 from robins.kalman.reweighted import process
 from robins.kalman.update import update, workspace
@@ -31,9 +31,10 @@ class Record(NamedTuple):
     ----------
     prior, posterior, delayed : ndarray, shape (runs, N, r)
         The first r states before and after the update at k, and the estimate of x(k) after the measurement
-        of k+1 (NaN at the last epoch and where `delayed` was not asked for).
+        of k+1 (NaN at the last epoch; no epochs where it was not asked for).
     prior_variance, posterior_variance, delayed_variance : ndarray, shape (runs, N, min(r, n))
-        The filter's own variances of the leading errors (one run only where they are the same for all).
+        The filter's own variances of the leading errors (one run only where they are the same for all; `delayed_variance` has
+        the epochs of `delayed`).
     innovation, innovation_variance, weights, gain_norm, gain_diagonal : ndarray, shape (runs, N, m)
         Innovation, diagonal of S (infinite for a channel of weight zero), weights, Euclidean norm of the gain's
         columns, diagonal of the gain (NaN for a channel beyond the last state); NaN where nothing was processed.
@@ -63,17 +64,25 @@ class Record(NamedTuple):
 
 
 @njit(cache=True)
-def empty_record(runs, epochs, states, errors, channels, variances, marks):
+def empty_record(runs, epochs, states, errors, channels, variances, marks, delayed):
     """A `Record` full of NaN, with `variances` runs in the arrays that do not depend on the data, for `errors` error states."""
-    own, shared = (runs, epochs, states), (variances, epochs, min(states, errors))
+    own, shared, late = (runs, epochs, states), (variances, epochs, min(states, errors)), epochs if delayed else 0
     seen, shared_seen = (runs, epochs, channels), (variances, epochs, channels)
     return Record(
-        np.full(own, np.nan), np.full(own, np.nan), np.full(own, np.nan),
-        np.full(shared, np.nan), np.full(shared, np.nan), np.full(shared, np.nan),
+        np.full(own, np.nan), np.full(own, np.nan), np.full((runs, late, states), np.nan),
+        np.full(shared, np.nan), np.full(shared, np.nan), np.full((variances, late, shared[2]), np.nan),
         np.full(seen, np.nan), np.full(shared_seen, np.nan), np.full(shared_seen, np.nan), np.full(shared_seen, np.nan),
         np.full(shared_seen, np.nan), np.full((runs, epochs), np.nan), np.full((runs, marks, errors, errors), np.nan),
         np.full(runs, -1),
     )  # fmt: skip
+
+
+class Noise(NamedTuple):
+    """The noise of one epoch's measurement, in the fields of `robins.kalman.model.Sensor`; `R` is rewritten from epoch to epoch."""
+
+    R: np.ndarray
+    R_fixed: np.ndarray
+    C_update: np.ndarray
 
 
 @kernel
@@ -197,14 +206,15 @@ def filter_records(predictor, model, sensor, weighting, x0, P0, controls, measur
     """The compiled part of `run_filter`; `controls` ``(1 or runs, N, l)``."""
     runs, epochs, m = measurements.shape
     n = P0.shape[0]
-    record = empty_record(runs, epochs, states, n, m, runs, marks.size)
-    work = workspace(n, m)
+    record = empty_record(runs, epochs, states, n, m, runs, marks.size, delayed)
+    work, noise = workspace(n, m), Noise(sensor.R.copy(), sensor.R_fixed, sensor.C_update)
     at_update, at_prediction = has_elements(sensor.C_update), has_elements(sensor.C_predict)
     predicted, weights, predicted_z = np.empty((m, m)), np.ones(m), np.empty(m)
     for run in range(runs):
         x, P, u = x0[run].copy(), P0.copy(), controls[min(run, controls.shape[0] - 1)]
         memory = weighting.memory.copy()
         updates, marked = 0, 0
+        assign(sensor.R, noise.R)
         for k in range(epochs):
             record_moments(x, P, record.prior, record.prior_variance, run, k)
             if valid[k]:
@@ -212,7 +222,8 @@ def filter_records(predictor, model, sensor, weighting, x0, P0, controls, measur
                 observe(sensor, x, u[k], predicted_z)
                 for i in range(m):
                     work.innovation[i] = measurements[run, k, i] - predicted_z[i]  # (27) imani2026
-                nis = process(weighting, P, sensor, at_update, memory, updates, weights, predicted, work)
+                measurement_noise(sensor, u[k], noise.R)
+                nis = process(weighting, P, noise, at_update, memory, updates, weights, predicted, work)
                 updates += 1
                 if not np.isnan(nis):
                     retract(model, x, work.shift)
@@ -285,9 +296,25 @@ class Schedule(NamedTuple):
     failed: int
 
 
+def schedule(predictor, model, sensor, P0, weights, valid, states, delayed) -> Schedule:
+    """Gains and covariances of a linear filter with the given `weights` ``(N, m)``; see `run_filter`.
+
+    Raises
+    ------
+    ValueError
+        The delayed estimate is asked for although a cross-covariance is not zero, or the sensor's noise differs from epoch to
+        epoch with an input that a schedule does not know.
+    """
+    if delayed and (np.any(sensor.C_update) or np.any(sensor.C_predict)):
+        raise ValueError("the delayed estimate needs zero cross-covariances")
+    if has_kernel("measurement_noise", sensor):
+        raise ValueError("a schedule needs measurement noise that does not depend on the input")
+    return plan_gains(predictor, model, sensor, P0, weights, valid, states, delayed)
+
+
 @entry_point
-def schedule(predictor, model, sensor, P0, weights, valid, states, delayed):
-    """Gains and covariances of a linear filter with the given `weights` ``(N, m)``; see `run_filter`."""
+def plan_gains(predictor, model, sensor, P0, weights, valid, states, delayed):
+    """The compiled part of `schedule`."""
     epochs, m = weights.shape
     n = P0.shape[0]
     gain, carry, delay = np.zeros((epochs, n, m)), np.zeros((epochs, n, m)), np.zeros((epochs, states, m))
@@ -295,8 +322,6 @@ def schedule(predictor, model, sensor, P0, weights, valid, states, delayed):
     prior, posterior = np.full((epochs, n, n), np.nan), np.full((epochs, n, n), np.nan)
     work, x, P, u, failed = workspace(n, m), np.zeros(n), P0.copy(), np.zeros(model.B.shape[1]), -1
     at_update, at_prediction = has_elements(sensor.C_update), has_elements(sensor.C_predict)
-    if delayed and (at_update or at_prediction):
-        raise ValueError("the delayed estimate needs zero cross-covariances")
     for k in range(epochs):
         assign(P, prior[k])
         if valid[k]:
@@ -334,7 +359,8 @@ def record_plan(plan, record):
         for i in range(record.prior_variance.shape[2]):
             record.prior_variance[0, k, i] = plan.prior_covariance[k, i, i]
             record.posterior_variance[0, k, i] = plan.posterior_covariance[k, i, i]
-            record.delayed_variance[0, k, i] = plan.delayed_variance[k, i]
+            if k < record.delayed_variance.shape[1]:
+                record.delayed_variance[0, k, i] = plan.delayed_variance[k, i]
         if not plan.valid[k] or np.isnan(plan.posterior_covariance[k, 0, 0]):
             continue
         for j in range(m):
@@ -385,7 +411,7 @@ def run_schedule(plan, model, sensor, x0, controls, measurements, states, delaye
     """
     runs, epochs, m = measurements.shape
     n = x0.shape[1]
-    record = empty_record(runs, epochs, states, n, m, 1, 0)
+    record = empty_record(runs, epochs, states, n, m, 1, 0, delayed)
     record_plan(plan, record)
     innovation, shift, P = np.empty(m), np.empty(n), np.zeros((n, n))
     for run in range(runs):

@@ -9,6 +9,9 @@ measurement. A model registers its kernels with `robins.kalman.extension.impleme
 The covariance, F, Q and H belong to the error of the state. Where the state is a vector, that is a difference. A model of an
 attitude keeps its state in more numbers than its error has (a quaternion and a rotation vector) and registers `retract`,
 which applies an error to a state; the filter is then an error-state (multiplicative) one.
+
+R is the sensor's own at every epoch, unless the sensor registers `measurement_noise`: a receiver that reports the standard
+deviation of each fix passes it in the input u.
 """
 
 from typing import NamedTuple
@@ -46,11 +49,24 @@ def retract(model, x, error):
     return kernel_of("retract", model)(model, x, error) if has_kernel("retract", model) else add(model, x, error)
 
 
+def measurement_noise(sensor, u, R):
+    """Write the covariance of this epoch's noise into `R` ``(m, m)``, the part that a robust method re-weights.
+
+    `R` holds what the epoch before left there, the sensor's own at first; it stays so, unless the sensor says otherwise.
+    """
+    return kernel_of("measurement_noise", sensor)(sensor, u, R) if has_kernel("measurement_noise", sensor) else keep(sensor, u, R)
+
+
 @njit(cache=True)
 def add(model, x, error):
     """``x += error``."""
     for i in range(x.size):
         x[i] += error[i]
+
+
+@njit(cache=True)
+def keep(sensor, u, R):
+    """Leave `R` as it is."""
 
 
 @overload(propagate, jit_options={"forceinline": True})
@@ -81,6 +97,12 @@ def _linearise_observation(sensor, x, u, H):
 def _retract(model, x, error):
     kernel = kernel_of("retract", model) if has_kernel("retract", model) else add
     return lambda model, x, error: kernel(model, x, error)
+
+
+@overload(measurement_noise, jit_options={"forceinline": True})
+def _measurement_noise(sensor, u, R):
+    kernel = kernel_of("measurement_noise", sensor) if has_kernel("measurement_noise", sensor) else keep
+    return lambda sensor, u, R: kernel(sensor, u, R)
 
 
 class LinearModel(NamedTuple):

@@ -11,7 +11,7 @@ from robins.kalman.update import innovation_covariance, update_error
 from robins.kalman.weights import weigh
 
 
-def process(weighting, P, sensor, correlated, memory, epoch, weights, predicted, work):
+def process(weighting, P, noise, correlated, memory, epoch, weights, predicted, work):
     """Process ``work.innovation`` with ``work.H``: update `P`, leave the correction in ``work.shift`` and the weights in `weights`.
 
     Parameters
@@ -19,10 +19,10 @@ def process(weighting, P, sensor, correlated, memory, epoch, weights, predicted,
     weighting : Weighting
         Or a type that has registered a kernel for `process` of its own: an update that no weights can express.
     P : ndarray, shape (n, n)
-    sensor : NamedTuple
-        With the noise of `robins.kalman.model.Sensor`.
+    noise : NamedTuple
+        R, R_fixed and C_update of this measurement, as in `robins.kalman.model.Sensor`.
     correlated : bool
-        Whether ``sensor.C_update`` is not zero.
+        Whether ``noise.C_update`` is not zero.
     memory : ndarray, shape (r, c)
         The run's own.
     epoch : int
@@ -37,21 +37,21 @@ def process(weighting, P, sensor, correlated, memory, epoch, weights, predicted,
     float
         As `robins.kalman.update.update_error`.
     """
-    return kernel_of("process", weighting)(weighting, P, sensor, correlated, memory, epoch, weights, predicted, work)
+    return kernel_of("process", weighting)(weighting, P, noise, correlated, memory, epoch, weights, predicted, work)
 
 
 @overload(process, jit_options={"error_model": "numpy", "_nrt": False})
-def _process(weighting, P, sensor, correlated, memory, epoch, weights, predicted, work):
+def _process(weighting, P, noise, correlated, memory, epoch, weights, predicted, work):
     if not has_kernel("process", weighting):
         return process_weighted
     own = kernel_of("process", weighting)  # may allocate, as a weight function may
 
     @njit(_nrt=True)
-    def allocating(weighting, P, sensor, correlated, memory, epoch, weights, predicted, work):
-        return own(weighting, P, sensor, correlated, memory, epoch, weights, predicted, work)
+    def allocating(weighting, P, noise, correlated, memory, epoch, weights, predicted, work):
+        return own(weighting, P, noise, correlated, memory, epoch, weights, predicted, work)
 
-    return lambda weighting, P, sensor, correlated, memory, epoch, weights, predicted, work: allocating(
-        weighting, P, sensor, correlated, memory, epoch, weights, predicted, work
+    return lambda weighting, P, noise, correlated, memory, epoch, weights, predicted, work: allocating(
+        weighting, P, noise, correlated, memory, epoch, weights, predicted, work
     )
 
 
@@ -79,17 +79,17 @@ def move_to_gain(weights, work):
     return valid
 
 
-def process_weighted(weighting, P, sensor, correlated, memory, epoch, weights, predicted, work):
+def process_weighted(weighting, P, noise, correlated, memory, epoch, weights, predicted, work):
     """`process` for every weight function; compiled where it is used, for each function in between optimises all of this once more."""
     if weighting.kind != 0 and weighting.iteration.limit > 0:
-        return update_iterated(weighting, P, work.innovation, work.H, sensor.R, sensor.C_update, memory, epoch, weights, work)
+        return update_iterated(weighting, P, work.innovation, work.H, noise.R, noise.C_update, memory, epoch, weights, work)
     trust_all(weights, work)
     if weighting.kind != 0:
-        innovation_covariance(P, work.H, sensor.R_fixed, sensor.C_update, correlated, weights, work.K, predicted)
-        find_weights(weighting, work.innovation, predicted, sensor.R, memory, epoch, weights)
+        innovation_covariance(P, work.H, noise.R_fixed, noise.C_update, correlated, weights, work.K, predicted)
+        find_weights(weighting, work.innovation, predicted, noise.R, memory, epoch, weights)
         if weighting.on_gain and not move_to_gain(weights, work):
             return np.nan
-    nis = update_error(P, work.innovation, work.H, sensor.R, sensor.R_fixed, sensor.C_update, correlated, weights, work)
+    nis = update_error(P, work.innovation, work.H, noise.R, noise.R_fixed, noise.C_update, correlated, weights, work)
     if weighting.on_gain:
         for j in range(weights.size):
             weights[j] = work.gain_factor[j]
