@@ -9,9 +9,8 @@ from typing import NamedTuple
 import numpy as np
 
 from robins.foundation.randomness import stream
-from robins.papers.ghouneem2024.trajectories import GRAVITY, KEY, RATE_HZ, Trajectory, gauss_markov
+from robins.papers.ghouneem2024.trajectories import DEGREE, GRAVITY, KEY, RATE_HZ, Trajectory, gauss_markov
 
-DEGREE = float(np.pi / 180.0)
 MILLI_G = 1e-3 * GRAVITY
 GYROSCOPE_TURN_ON = 0.03 * DEGREE
 """Standard deviation of the constant part of the gyroscope's bias [rad/s]."""

@@ -7,6 +7,9 @@ the same roads.
 Frames: local level ENU about the origin; body x right, y forward, z up; specific force; pitch nose-up +, roll right-side-down +;
 azimuth clockwise from north; gyroscope z-up, counter-clockwise +. The ENU metres are a map: their derivatives are the velocities,
 and latitude is origin + north / (meridian radius + height), both taken at the origin, like the radii in the transport rate.
+
+The rate about z is (-A' + up component of earth and transport rate) cos p cos r + p' sin r. The horizontal components, times the
+tilt, are left out (3e-6 rad/s at most). The last term stands with a minus in the study's brief; with roll right-side-down it is a plus.
 """
 
 from functools import cache
@@ -20,6 +23,7 @@ from robins.foundation.errors import InputError
 from robins.foundation.randomness import stream
 
 KEY = "ghouneem2024"
+DEGREE = float(np.pi / 180.0)
 RATE_HZ = 20
 """Epochs per second of the truth and of the inertial sensors."""
 TRAJECTORIES = ("t1", "t2")
@@ -80,32 +84,16 @@ class Plan(NamedTuple):
 
 PLANS = {
     "t1": Plan(
-        truth_number=101,
-        latitude=float(np.radians(44.23)),
-        azimuth=float(np.radians(40.0)),
-        seconds=1800,
-        distance=22_400.0,
-        target_speeds=(14.0, 17.0, 22.0, 25.0),
-        segment_length=(200.0, 1400.0),
-        stop_probability=0.35,
-        turn_probability=0.6,
-        turns=tuple(np.radians([90.0, -90.0, 45.0, -45.0, 30.0, -30.0]).tolist()),
-        grade_rms=0.022,
+        truth_number=101, latitude=44.23 * DEGREE, azimuth=40.0 * DEGREE, seconds=1800, distance=22_400.0,
+        target_speeds=(14.0, 17.0, 22.0, 25.0), segment_length=(200.0, 1400.0), stop_probability=0.35, turn_probability=0.6,
+        turns=tuple(angle * DEGREE for angle in (90.0, -90.0, 45.0, -45.0, 30.0, -30.0)), grade_rms=0.022,
     ),
     "t2": Plan(
-        truth_number=202,
-        latitude=float(np.radians(51.05)),
-        azimuth=float(np.radians(350.0)),
-        seconds=1500,
-        distance=9_900.0,
-        target_speeds=(9.0, 11.0, 14.0),
-        segment_length=(90.0, 420.0),
-        stop_probability=0.55,
-        turn_probability=0.75,
-        turns=tuple(np.radians([90.0, -90.0, 90.0, -90.0, 60.0, -60.0]).tolist()),
-        grade_rms=0.028,
+        truth_number=202, latitude=51.05 * DEGREE, azimuth=350.0 * DEGREE, seconds=1500, distance=9_900.0,
+        target_speeds=(9.0, 11.0, 14.0), segment_length=(90.0, 420.0), stop_probability=0.55, turn_probability=0.75,
+        turns=tuple(angle * DEGREE for angle in (90.0, -90.0, 90.0, -90.0, 60.0, -60.0)), grade_rms=0.028,
     ),
-}
+}  # fmt: skip
 
 
 class Segment(NamedTuple):
@@ -181,15 +169,16 @@ def drive(name: str, plan: Plan) -> Trajectory:
     speed = smooth(commanded)
     azimuth_rate = turn_rate + speed * draw_lane_curvature(generator, epochs)
     azimuth = plan.azimuth + integrate(azimuth_rate)
-    pitch, pitch_rate = draw_grade(generator, plan.grade_rms, integrate(speed), speed)
-    roll = crossfall(integrate(speed))
+    distance = integrate(speed)
+    pitch, pitch_rate = draw_grade(generator, plan.grade_rms, distance, speed)
+    roll = crossfall(distance)
     level = speed * np.cos(pitch)
     velocity = np.stack([level * np.sin(azimuth), level * np.cos(azimuth), speed * np.sin(pitch)], axis=1)
     position = integrate(velocity[:, [1, 0, 2]]) + (0.0, 0.0, START_HEIGHT)
     acceleration = np.gradient(speed, 1.0 / RATE_HZ)
     force = specific_force(speed, acceleration, azimuth_rate, pitch, roll)
     vertical = inertial_rate_up(plan.latitude, position[:, 0], velocity[:, 0]) - azimuth_rate
-    rate = vertical * np.cos(pitch) * np.cos(roll) - pitch_rate * np.sin(roll)
+    rate = vertical * np.cos(pitch) * np.cos(roll) + pitch_rate * np.sin(roll)
     time = np.arange(epochs + 1) / RATE_HZ
     return Trajectory(name, plan.latitude, time, position, velocity, azimuth, pitch, roll, speed, acceleration, force, rate)
 
