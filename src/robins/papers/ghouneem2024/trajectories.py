@@ -52,7 +52,7 @@ class Plan(NamedTuple):
     ----------
     truth_number : int
         Run in the name of the truth's stream: the first from the brief's seed (101, 202) upwards whose drive is within 10 % of
-        `distance`, chosen before any filter ran.
+        `distance`, which both seeds are themselves. Chosen before any filter ran.
     latitude, azimuth : float
         Of the start, rad.
     seconds : int
@@ -296,7 +296,7 @@ def draw_grade(generator: np.random.Generator, rms: float, distance: np.ndarray,
     amplitude = generator.uniform(*GRADE_AMPLITUDE, GRADE_WAVES)
     amplitude *= rms / np.sqrt(0.5 * np.sum(amplitude**2))
     angles = distance[:, None] * wavenumber + phase
-    grade, change = np.sin(angles) @ amplitude, np.cos(angles) @ (amplitude * wavenumber)
+    grade, change = np.sum(amplitude * np.sin(angles), axis=1), np.sum(amplitude * wavenumber * np.cos(angles), axis=1)
     return np.arctan(grade), change * speed / (1.0 + grade**2)
 
 
