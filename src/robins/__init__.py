@@ -34,7 +34,7 @@ _HOME = {
     "LinearModel": "robins.kalman.model",
     "linear_sensor": "robins.kalman.model",
     "Ekf": "robins.kalman.predict",
-    "Ukf": "robins.kalman.predict",
+    "unscented": "robins.kalman.predict",
     "weight": "robins.kalman.weights",
     "weighting": "robins.kalman.weights",
     "matching": "robins.kalman.tuning",

@@ -8,7 +8,7 @@ from robins.kalman.filter import Record, run_filter, run_schedule, schedule
 from robins.kalman.gates import gate
 from robins.kalman.m_estimators import correntropy, huber
 from robins.kalman.model import LinearModel, linear_sensor
-from robins.kalman.predict import Ekf, Ukf
+from robins.kalman.predict import Ekf, unscented
 from robins.kalman.tuning import matching
 from robins.kalman.weights import Iteration, names, weighting
 
@@ -134,7 +134,7 @@ def test_a_schedule_is_the_filter(problem, at, weights):
 
 
 @pytest.mark.parametrize("weights", ["unit", "known"])
-@pytest.mark.parametrize("predictor", [Ekf(), Ukf(1.0, 2.0, 0.0)], ids=["ekf", "ukf"])
+@pytest.mark.parametrize("predictor", [Ekf(), unscented(4, 1.0)], ids=["ekf", "ukf"])
 def test_the_delayed_estimate_is_the_fixed_lag_smoother_by_state_augmentation(problem, weights, predictor):
     """Independent formulation: the Kalman filter on [x(k); x(k-1)] estimates x(k-1) from the measurements up to k."""
     case = problem(5)
@@ -236,7 +236,7 @@ def test_the_contract_below_covers_every_weight():
     assert {method.kind for method in WEIGHTINGS.values()} == of_the_package
 
 
-@pytest.fixture(scope="module", params=[Ekf(), Ukf()], ids=["ekf", "ukf"])
+@pytest.fixture(scope="module", params=[Ekf(), unscented(4)], ids=["ekf", "ukf"])
 def predictor(request):
     return request.param
 
@@ -303,8 +303,45 @@ def test_a_missing_number_in_a_measurement_fails_its_run_at_its_epoch_and_no_oth
 
 def test_the_unscented_filter_is_the_kalman_filter_on_a_linear_model(problem, method):
     case = problem(11)
-    extended, unscented = (run(p, case, method) for p in (Ekf(), Ukf(1.0, 2.0, 0.0)))
-    everything(extended, unscented, 1e-10)
+    extended, by_points = (run(p, case, method) for p in (Ekf(), unscented(4, 1.0)))
+    everything(extended, by_points, 1e-10)
+
+
+def navigation_like(seed=0):
+    """Nine states of which six are measured, 200 epochs; the transition's spectral radius is at most one."""
+    rng = np.random.default_rng(seed)
+    A = np.eye(9) + 0.1 * rng.normal(size=(9, 9))
+    A /= max(1.0, np.abs(np.linalg.eigvals(A)).max())
+    model = LinearModel(A, np.zeros((9, 1)), np.diag(rng.uniform(0.01, 0.1, 9)))
+    sensor = linear_sensor(np.eye(6, 9), np.diag(rng.uniform(0.1, 1.0, 6)))
+    return model, sensor, (np.zeros((1, 9)), np.eye(9), np.zeros((200, 1)), rng.normal(size=(1, 200, 6)), np.ones(200, bool), 9, False)
+
+
+@pytest.mark.parametrize("centre", ["sum", "product"])
+@pytest.mark.parametrize("alpha", [1.0, 0.1])
+def test_sigma_points_keep_a_linear_filter_for_200_epochs_whatever_the_weight_of_the_centre(alpha, centre):
+    """On a linear problem the central point is the mean: (18) of ghouneem2024 may be a sum, as it should, or the printed product."""
+    model, sensor, arguments = navigation_like()
+    points = unscented(9, alpha)
+    if centre == "product":
+        points = points._replace(covariance_centre=points.mean_centre * (3.0 - alpha**2))
+    extended, by_points = (run_filter(p, model, sensor, WEIGHTINGS["unit"], *arguments) for p in (Ekf(), points))
+    everything(extended, by_points, 1e-10)
+
+
+def test_sigma_points_of_another_number_of_states_are_refused(problem):
+    case = problem(11)
+    for points in (unscented(5), unscented(3, 1e-3), unscented(4)._replace(mean_centre=0.0)):
+        with pytest.raises(ValueError, match="^the weights of the sigma points do not add up to one for 4 states$"):
+            run(points, case, WEIGHTINGS["unit"])
+        with pytest.raises(ValueError, match="add up to one"):
+            schedule(points, case.model, case.sensor, case.P0, np.ones((EPOCHS, 3)), case.valid, 4, False)
+
+
+def test_sigma_points_are_refused_beside_noise_that_is_correlated_with_the_prediction(problem):
+    case = problem(11, **cross_covariance("C_predict"))
+    with pytest.raises(ValueError, match="^sigma points leave no Jacobian"):
+        run_filter(unscented(4), case.model, case.sensor, WEIGHTINGS["unit"], *case.arguments, 4, False)
 
 
 # Failures are data: reason and epoch.
@@ -352,6 +389,6 @@ def test_a_prediction_that_overflows_fails_although_nothing_is_measured(problem,
 
 def test_a_prior_without_a_root_fails_the_unscented_filter_in_its_first_prediction(problem):
     case = problem(15)._replace(P0=np.diag([1.0, 1.0, 1.0, -1.0]), valid=np.zeros(EPOCHS, bool))
-    record = run_filter(Ukf(), case.model, case.sensor, WEIGHTINGS["unit"], *case.arguments, 4, False)
-    plan = schedule(Ukf(), case.model, case.sensor, case.P0, np.ones((EPOCHS, 3)), case.valid, 4, False)
+    record = run_filter(unscented(4), case.model, case.sensor, WEIGHTINGS["unit"], *case.arguments, 4, False)
+    plan = schedule(unscented(4), case.model, case.sensor, case.P0, np.ones((EPOCHS, 3)), case.valid, 4, False)
     assert record.failed.tolist() == [0, 0] and plan.failed == 0

@@ -10,7 +10,7 @@ from numba.core.errors import TypingError
 from robins.kalman.extension import implements
 from robins.kalman.filter import run_filter, schedule
 from robins.kalman.model import LinearModel, linear_sensor, linearise, linearise_observation, measurement_noise, observe, propagate, retract
-from robins.kalman.predict import Ekf, Ukf
+from robins.kalman.predict import Ekf, unscented
 from robins.kalman.reweighted import process
 from robins.kalman.update import update_error
 
@@ -193,7 +193,7 @@ def test_a_filter_over_errors_is_the_textbook_filter_of_the_angle(circle):
     np.testing.assert_allclose(np.linalg.norm(record.posterior, axis=2), 1.0, rtol=0, atol=1e-14)
 
 
-@pytest.mark.parametrize(("predictor", "delayed"), [(Ekf(), True), (Ukf(), False)], ids=["delayed estimate", "sigma points"])
+@pytest.mark.parametrize(("predictor", "delayed"), [(Ekf(), True), (unscented(1), False)], ids=["delayed estimate", "sigma points"])
 def test_what_needs_a_state_as_long_as_its_error_says_so(predictor, delayed):
     x0, controls, measurements, _ = circle_case()
     with pytest.raises(ValueError, match="need a state that is as long as its error"):

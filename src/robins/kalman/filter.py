@@ -179,7 +179,8 @@ def run_filter(predictor, model, sensor, weighting, x0, P0, controls, measuremen
         The delayed estimate, or an iterated weighting, is asked for although a cross-covariance is not zero (its gain would be
         another); the delayed estimate although weights are iterated or act on the gain (likewise); an iterated weighting although
         a part of the noise is fixed; the error and the state differ in length where the delayed estimate or sigma points need them
-        equal; or controls of each run are of another number of runs.
+        equal; sigma points are of another number of states, or leave no Jacobian for ``sensor.C_predict``; or controls of each run
+        are of another number of runs.
     """
     iteration = getattr(weighting, "iteration", ONCE)
     correlated = np.any(sensor.C_update) or np.any(sensor.C_predict)
@@ -191,6 +192,7 @@ def run_filter(predictor, model, sensor, weighting, x0, P0, controls, measuremen
         raise ValueError("iterated weights need zero cross-covariances and no fixed part of the noise")
     if x0.shape[1] != P0.shape[0] and (delayed or isinstance(predictor, Ukf)):
         raise ValueError("the delayed estimate and sigma points need a state that is as long as its error")
+    check_sigma_points(predictor, P0.shape[0], sensor)
     if not 0 < states <= x0.shape[1]:
         raise ValueError(f"{states} states cannot be recorded of {x0.shape[1]}")
     controls = controls if controls.ndim == 3 else controls[None]
@@ -199,6 +201,16 @@ def run_filter(predictor, model, sensor, weighting, x0, P0, controls, measuremen
     return filter_records(
         predictor, model, sensor, weighting, x0, P0, controls, measurements, valid, states, delayed, np.array(marks, dtype=np.int64)
     )
+
+
+def check_sigma_points(predictor, n, sensor) -> None:
+    """Raise ValueError where `predictor` has sigma points that do not suit `n` states or the sensor."""
+    if isinstance(predictor, Ukf):
+        others = 2 * n * predictor.other
+        if abs(predictor.mean_centre + others - 1.0) > 1e-6 * others:
+            raise ValueError(f"the weights of the sigma points do not add up to one for {n} states")
+        if np.any(sensor.C_predict):
+            raise ValueError("sigma points leave no Jacobian for noise that is correlated with the coming prediction")
 
 
 @entry_point
@@ -302,9 +314,10 @@ def schedule(predictor, model, sensor, P0, weights, valid, states, delayed) -> S
     Raises
     ------
     ValueError
-        The delayed estimate is asked for although a cross-covariance is not zero, or the sensor's noise differs from epoch to
-        epoch with an input that a schedule does not know.
+        The delayed estimate is asked for although a cross-covariance is not zero; sigma points do not suit, as in `run_filter`; or
+        the sensor's noise differs from epoch to epoch with an input that a schedule does not know.
     """
+    check_sigma_points(predictor, P0.shape[0], sensor)
     if delayed and (np.any(sensor.C_update) or np.any(sensor.C_predict)):
         raise ValueError("the delayed estimate needs zero cross-covariances")
     if has_kernel("measurement_noise", sensor):

@@ -34,6 +34,11 @@ def linearise(model, x, u, F, Q):
     return kernel_of("linearise", model)(model, x, u, F, Q)
 
 
+def process_noise(model, x, u, Q):
+    """Write the process noise covariance of this step into `Q` ``(n, n)``; by `linearise`, unless the model has a way without F."""
+    return kernel_of("process_noise", model)(model, x, u, Q) if has_kernel("process_noise", model) else beside_jacobian(model, x, u, Q)
+
+
 def observe(sensor, x, u, z):
     """Write the predicted measurement ``h(x, u)`` into `z` ``(m,)``."""
     return kernel_of("observe", sensor)(sensor, x, u, z)
@@ -79,6 +84,18 @@ def _propagate(model, x, u):
 def _linearise(model, x, u, F, Q):
     kernel = kernel_of("linearise", model)
     return lambda model, x, u, F, Q: kernel(model, x, u, F, Q)
+
+
+@overload(process_noise, jit_options={"forceinline": True})
+def _process_noise(model, x, u, Q):
+    kernel = kernel_of("process_noise", model) if has_kernel("process_noise", model) else beside_jacobian
+    return lambda model, x, u, Q: kernel(model, x, u, Q)
+
+
+@njit(cache=True)
+def beside_jacobian(model, x, u, Q):
+    """`linearise` for its noise only."""
+    linearise(model, x, u, np.empty_like(Q), Q)
 
 
 @overload(observe, jit_options={"forceinline": True})
