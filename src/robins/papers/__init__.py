@@ -7,14 +7,17 @@
 import importlib
 import pkgutil
 from functools import cache
+from typing import TYPE_CHECKING
 
 from robins import plugins
 from robins.foundation.errors import InputError
-from robins.papers.protocol import Paper
+
+if TYPE_CHECKING:
+    from robins.papers.protocol import Paper
 
 
 @cache
-def all_papers() -> dict[str, Paper]:
+def all_papers() -> "dict[str, Paper]":
     """Every paper by key, in alphabetical order.
 
     Raises
