@@ -40,6 +40,8 @@ _HOME = {
     "matching": "robins.kalman.tuning",
     "chi_square": "robins.kalman.chi_square",
     "gate": "robins.kalman.gates",
+    "nis_gate": "robins.kalman.gates",
+    "integrity_gate": "robins.kalman.gates",
     "huber": "robins.kalman.m_estimators",
     "correntropy": "robins.kalman.m_estimators",
     "run_filter": "robins.kalman.filter",

@@ -5,7 +5,7 @@ import pytest
 
 from robins.kalman.chi_square import LINEAR, MARGINAL, REJECT, ROOT, SEQUENTIAL, TEMPORAL, chi_square
 from robins.kalman.filter import Record, run_filter, run_schedule, schedule
-from robins.kalman.gates import gate
+from robins.kalman.gates import gate, integrity_gate, nis_gate
 from robins.kalman.m_estimators import correntropy, huber
 from robins.kalman.model import LinearModel, linear_sensor
 from robins.kalman.predict import Ekf, unscented
@@ -24,6 +24,8 @@ WEIGHTINGS = {
     "chi-square in time": chi_square(CHANNELS, TEMPORAL, ROOT, 0.95, 1.0, 3.0),
     "gate": gate(1.5),
     "gate on the gain": gate(1.5)._replace(on_gain=True),
+    "nis-gate, patient": nis_gate(25.0, patience=1),
+    "integrity-gate": integrity_gate((9.0, 9.0, 9.0), (2.5, np.inf, np.inf), np.random.default_rng(1).normal(size=(EPOCHS, CHANNELS))),
     "huber": huber(1.345),
     "huber, iterated": huber(1.345)._replace(iteration=Iteration(5, 1e-9, 1e-8, True, np.zeros(0))),
     "correntropy": KERNELS,
