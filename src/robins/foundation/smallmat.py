@@ -4,9 +4,9 @@ All functions write into arrays that the caller owns; ``out`` must not share mem
 docstring allows it. Zero factors are skipped where a docstring says so: transition matrices are mostly zeros, and
 the test for zero finds that structure without a table of it.
 
-``python -m benchmarks`` times ``F P F^T + Q`` of 9, 15 and 21 states against BLAS. Loops that take three factors at a time, since
-states come as vectors of space, and skip three zeros are used at every size; beside their speed, their rounding does not depend on
-a library's choice for a processor.
+``python -m benchmarks`` times ``F P F^T + Q`` against BLAS. Loops that take three factors at a time, since states come as vectors of
+space, and skip three zeros are about as fast with 9 states; from 15 on they are slower, there by half. They are used at every size
+all the same, because their rounding does not depend on a library's choice for a processor.
 """
 
 import numpy as np
