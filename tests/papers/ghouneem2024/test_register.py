@@ -127,7 +127,7 @@ def test_the_uniform_heading_has_the_rmse_of_proposition_one():
 
 
 def test_the_thresholds_of_proposition_seven_are_the_multiples_of_the_ones_chosen():
-    prediction, jump = map(float, re.findall(r"(\d+), \d+, \d+ m", BY_NAME["A6"].consequence))
+    prediction, jump = map(float, re.findall(r"(\d+), \d+, \d+ m (?:and|from)", BY_NAME["A6"].consequence))
     assert max(4 * prediction, 4 * jump) < 200 < min(8 * prediction, 8 * jump)
     assert f"({4 * jump:.0f} m)" in BY_NAME["Prop7"].consequence
     assert f"({8 * prediction:.0f} and {8 * jump:.0f} m)" in BY_NAME["Prop7"].consequence
