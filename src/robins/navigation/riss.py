@@ -56,7 +56,7 @@ class Riss(NamedTuple):
     dt : float
         s.
     latitude, meridian, transverse : float
-        Of the origin: rad, and ``R_M + h``, ``R_N + h`` (m) there.
+        Of the origin: rad, ``R_M + h`` there, and ``R_N`` (m), to which a step adds its own height.
     bias_decay, odometer_decay : float
         ``exp(-dt/tau)`` of the two Gauss-Markov states.
     noise : ndarray, shape (9,)
@@ -94,7 +94,7 @@ def riss(
         raise ValueError(f"latitude: found {latitude}, expected radians between the poles")
     if noise.shape != (STATES,) or not (np.isfinite(noise).all() and (noise >= 0.0).all()):
         raise ValueError(f"noise: found {noise}, expected {STATES} variances, none of them negative")
-    radii = float(meridian_radius(latitude)) + height, float(transverse_radius(latitude)) + height
+    radii = float(meridian_radius(latitude)) + height, float(transverse_radius(latitude))
     decays = float(np.exp(-dt / bias_time)), float(np.exp(-dt / odometer_time))
     return Riss(loop, turning, clockwise, dt, latitude, *radii, *decays, noise)
 

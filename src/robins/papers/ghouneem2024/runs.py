@@ -244,7 +244,7 @@ def failure(record: Record, place: str) -> str:
     if record.failed[0] >= 0:
         return f"no Cholesky factor or not finite at epoch {record.failed[0]}"
     error = record.posterior[0, :, NORTH : EAST + 1] - truth(place)[:, NORTH : EAST + 1]
-    return "" if np.max(np.abs(error)) <= BOUND else f"horizontal error beyond {BOUND:g} m"
+    return "" if np.max(np.hypot(*error.T)) <= BOUND else f"horizontal error beyond {BOUND:g} m"
 
 
 def score(design: Design, prepared: Prepared, u: np.ndarray) -> dict:

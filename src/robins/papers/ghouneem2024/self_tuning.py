@@ -31,7 +31,9 @@ class Statistics(NamedTuple):
 
     Attributes
     ----------
-    mean, mean_square : ndarray
+    mean : ndarray
+        Over the epochs, of estimate minus reference: (12) and (13) have the other sign.
+    mean_square : ndarray
         Over the epochs.
     increment : ndarray
         Mean square of the change over a second.
