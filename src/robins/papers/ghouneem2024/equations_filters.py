@@ -104,7 +104,7 @@ _GATE = (
         "Norm, units and thresholds are not given, nor whether fix $k$ is the last received or the last accepted (A6, A7). Read by "
         "component with the last received fix; one jump then costs two fixes (Prop7). Nothing lets the filter in again after it has "
         "drifted (A8).",
-        "tests/kalman/test_gates.py::test_a_jump_costs_the_good_fix_after_it_too",
+        "tests/kalman/test_gates.py::test_one_false_fix_is_rejected_and_the_good_one_after_it_too",
         corrected=r"\exists i:\ |\hat z_{k+1,i}-z_{k+1,i}|>m\,\theta_i\quad\text{or}\quad |z_{k+1,i}-z_{last,i}|>m\,\tau_i",
     ),
 )

@@ -166,8 +166,8 @@ BRIEF = (
         "B1",
         "correction",
         r"The brief's true rate of the gyro has the term $-\dot p\sin r$.",
-        r"With its axes the term is $+\dot p\sin r$. On a slope of 6 % and a crossfall of 2.8 % it comes to 0.1 deg, changes its sign with "
-        "the slope, and no filter models it.",
+        r"With its axes it is $+\dot p\sin r$, which the truth has. On a slope of 6 % and a crossfall of 2.8 % the term comes to 0.1 deg; it "
+        "changes its sign with the slope, and no filter models it.",
     ),
     Assumption(
         "B2",
