@@ -166,7 +166,7 @@ BRIEF = (
         "B1",
         "correction",
         r"The brief's true rate of the gyro has the term $-\dot p\sin r$.",
-        r"With its axes it is $+\dot p\sin r$, which the truth has. On a slope of 6 % and a crossfall of 2.8 % the term comes to 0.1 deg; it "
+        r"With its axes it is $+\dot p\sin r$, which the truth has. On a slope of 6 % and a crossfall of 2.8 % it is 0.1 deg; the term "
         "changes its sign with the slope, and no filter models it.",
     ),
     Assumption(
