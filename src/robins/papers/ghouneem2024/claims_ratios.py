@@ -178,7 +178,7 @@ def wrap_rows(results: Results) -> list[Row]:
         uniform = 180.0 / np.sqrt(3.0)
         near = abs(level / uniform - 1.0) < NEAR_UNIFORM
         reason = (
-            f"An azimuth of which nothing is known has {uniform:.2f} deg; the published {level:.4g} deg is {level / uniform:.2%} of it."
+            f"An azimuth of which nothing is known has {uniform:.2f} deg; the published {level:.4g} deg is {level / uniform:.1%} of it."
         )
         verdict = Verdict.COMPATIBLE if near else Verdict.NOT_REPLICATED
         made.append(words_row("C9", quantity, 0, "", verdict, reason, "arithmetic, uniform error", f"{uniform:.2f} deg"))
@@ -196,9 +196,8 @@ def judge_azimuth(results: Results) -> list[Row]:
     unwrapped = f"{quantity}, difference not wrapped"
     others += against_both(results, "C9", unwrapped, frozen_setting("t2"), "azimuth_unwrapped", rule, published)
     wraps = wrap_rows(results)
-    explained = "; ".join(f"{row.condition} ({row.variant or 'no filter'}) {row.verdict}" for row in wraps if row.quantity.endswith("EKF"))
-    level = printed(results, "t2", "azimuth", "EKF")
-    reason = (
-        f"T1-frozen settings, out of sample, difference wrapped. {against_each(decisive)} The EKF's level {level:.4g} deg: {explained}."
-    )
+    ekf = [row for row in wraps if row.quantity.endswith("EKF")]
+    explained = "; ".join(f"{row.condition} ({row.variant or 'no filter'}) {row.verdict}" for row in ekf)
+    level = f"The EKF's level {printed(results, 't2', 'azimuth', 'EKF'):.4g} deg: {explained}."
+    reason = f"T1-frozen settings, out of sample, difference wrapped. {against_each(decisive)} {level}"
     return [*decisive, *others, *wraps, closing_row("C9", quantity, verdict, reason, decisive)]

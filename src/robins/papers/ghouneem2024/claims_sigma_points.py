@@ -8,6 +8,7 @@ from robins.papers.ghouneem2024.comparisons import GeometricRatio, Where, ratio_
 from robins.papers.ghouneem2024.judging import (
     MINIMUM,
     NAMES,
+    closing_row,
     listing,
     lost_runs,
     most_rule,
@@ -37,6 +38,7 @@ LARGE = 0.05
 """Relative difference between the UKF and the EKF with its model above which a sentence is owed."""
 TRANSFORM_NEEDS = (UKF, CONTROL, *BASELINES, *(variant_name(name, cell) for name in (UKF, CONTROL) for cell in CELLS))
 CONVERGENCE_NEEDS = ("initialisation",)
+ALL = "all initial errors"
 EXACT = 1e-9
 """Relative difference below which a moment counts as exact."""
 
@@ -79,7 +81,7 @@ def difference_words(results: Results, first: Where, second: Where, measure: str
 
 def judge_transform(results: Results) -> list[Row]:
     """C10: the UKF against the EKF with the same model and variances, horizontal, all reporting runs; beside it the change of model."""
-    made, verdicts, reasons = [], {}, []
+    made, decisive, reasons = [], [], []
     for place in TRAJECTORIES:
         above, below = variant(UKF, place), variant(CONTROL, place)
         for measure in ("horizontal", *CHANNELS):
@@ -89,11 +91,11 @@ def judge_transform(results: Results) -> list[Row]:
             condition = f"{place.upper()}, data sheet's variances, no gate, {NAMES[measure]}"
             made.append(ratio_row("C10", "UKF superior", condition, found, f"{UKF}/{CONTROL}", verdict, reason))
             if measure == "horizontal":
-                verdicts[place.upper()] = verdict
+                decisive.append(made[-1])
                 reasons.append(f"{place.upper()}: {reason}")
-    verdict = together(verdicts.values())
+    verdict = together(row.verdict for row in decisive)
     reason = f"Horizontal error, UKF over the EKF with its model and variances. {' '.join(reasons)} {large_differences(results)}"
-    closing = words_row("C10", "UKF superior", made[0].n, f"{UKF}/{CONTROL}", verdict, reason)
+    closing = closing_row("C10", "UKF superior", verdict, reason, decisive)
     return [*made, *cell_rows(results), *model_rows(results), closing]
 
 
@@ -146,7 +148,7 @@ def started(place: str, error: float, name: str, alpha: float) -> Where:
 def judge_convergence(results: Results) -> list[Row]:
     """C14: does the azimuth settle sooner with sigma points, from initial errors up to 179 deg with clean satellites?"""
     alpha, quantity = results.settings.options["alpha"], "convergence, UKF"
-    made, verdicts = [], {}
+    made, decisive = [], {}
     wrong = [error for error in AZIMUTH_ERRORS if error > 0.0]
     for place in TRAJECTORIES:
         for rival in (CONTROL, *BASELINES):
@@ -154,23 +156,25 @@ def judge_convergence(results: Results) -> list[Row]:
             def pair(error: float, own: float, place: str = place, rival: str = rival) -> tuple[Where, Where]:
                 return started(place, error, UKF, own), started(place, error, rival, alpha)
 
-            cases = {"all initial errors": [pair(error, alpha) for error in wrong]}
+            cases = {ALL: [pair(error, alpha) for error in wrong]}
             cases |= {f"initial error {np.degrees(error):.0f} deg": [pair(error, alpha)] for error in AZIMUTH_ERRORS}
             if alpha != 1.0:
-                cases["all initial errors, alpha 1"] = [pair(error, 1.0) for error in wrong]
+                cases[f"{ALL}, alpha 1"] = [pair(error, 1.0) for error in wrong]
             for words, pairs in cases.items():
                 share = sooner(results, pairs)
                 verdict, reason = most_rule(share, MINIMUM["side_runs"], "The UKF settles sooner")
                 condition = f"{place.upper()}, {words}"
                 made.append(numeric_row("C14", quantity, condition, share, share.n, f"{UKF}/{rival}", verdict, reason, unit="1"))
-            verdicts[f"{place.upper()} against {rival}"] = made[-len(cases)].verdict
+                if words == ALL:
+                    decisive[f"{place.upper()} against {rival}"] = made[-1]
     never = never_rows(results, alpha)
     counts = "; ".join(f"{row.condition} {row.variant} {row.ours}" for row in never)
+    verdicts = {words: row.verdict for words, row in decisive.items()}
     reason = (
         f"Share of the runs in which the UKF's azimuth settles within 5 deg sooner, at more initial errors than later: {listing(verdicts)} "
         f"Never settled: {counts}."
     )
-    return [*made, *never, words_row("C14", quantity, made[0].n, UKF, together(verdicts.values()), reason)]
+    return [*made, *never, closing_row("C14", quantity, together(verdicts.values()), reason, list(decisive.values()), larger=True)]
 
 
 def never_rows(results: Results, alpha: float) -> list[Row]:
@@ -207,11 +211,8 @@ def judge_moments(results: Results) -> list[Row]:
             moment, power = what.split(" of the ")
             parts.setdefault((moment, law), {})[power] = verdict
         told = "exact" if verdict == Verdict.REPLICATED else f"{value:.6g}, the exact moment is {exact:.6g}: {apart:.2g} off"
-        made.append(
-            words_row(
-                "C17", f"{what}, {law}", 0, method, verdict, f"Analytic: {told}.", "exact moments", f"{value:.6g} against {exact:.6g}"
-            )
-        )
+        ours = f"{value:.6g} against {exact:.6g}"
+        made.append(words_row("C17", f"{what}, {law}", 0, method, verdict, f"Analytic: {told}.", "exact moments", ours))
     verdicts = {f"{moment}, {law}": moment_word(list(found.values())) for (moment, law), found in parts.items()}
     words = set(verdicts.values())
     verdict = words.pop() if len(words) == 1 else Verdict.DEPENDS

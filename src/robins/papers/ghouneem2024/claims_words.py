@@ -1,5 +1,7 @@
 """Claims in words: "real-time" tuning (C12), the cost of a step (C15), the smoother track (C16), small P0 (C18)."""
 
+import numpy as np
+
 from robins.evaluate.intervals import Interval
 from robins.evaluate.ledger import Row
 from robins.evaluate.published import rows_of
@@ -10,6 +12,7 @@ from robins.papers.ghouneem2024.cost import PAIR, RECORD
 from robins.papers.ghouneem2024.filters import FILTERS
 from robins.papers.ghouneem2024.judging import (
     MINIMUM,
+    closing_row,
     listing,
     most_rule,
     numeric_row,
@@ -22,7 +25,7 @@ from robins.papers.ghouneem2024.judging import (
 )
 from robins.papers.ghouneem2024.studies import PRIOR_SCALES
 from robins.papers.ghouneem2024.trajectories import TRAJECTORIES
-from robins.papers.ghouneem2024.variants import BASELINES, NEW, variant_name
+from robins.papers.ghouneem2024.variants import variant_name
 from robins.papers.protocol import Results
 
 LEAKED = ("ekf-pi", "ukf")
@@ -111,22 +114,20 @@ def judge_smoothness(results: Results) -> list[Row]:
                 made += found
                 if setting.words == "T1-frozen":
                     verdicts[measure, place] = (together(row.verdict for row in found), found)
-    decisive = [
-        (f"{place.upper()} from {row.variant.split('/')[1]}", row) for place in TRAJECTORIES for row in verdicts["roughness", place][1]
-    ]
-    verdict = together(row.verdict for _, row in decisive)
-    told = " ".join(f"{words}: {row.verdict}. {row.reason}" for words, row in decisive)
+    decisive = [row for place in TRAJECTORIES for row in verdicts["roughness", place][1]]
+    verdict = together(row.verdict for row in decisive)
+    told = " ".join(f"{row.condition[:2]} from {row.variant.split('/')[1]}, {row.verdict}: {row.reason}" for row in decisive)
     accurate = listing({place.upper(): verdicts["horizontal", place][0] for place in TRAJECTORIES})
     reason = (
         f"Root mean square of the second difference of the horizontal position error, T1-frozen settings, out of sample. {told} "
         f"More accurate (horizontal, both EKFs): {accurate}"
     )
-    return [*made, words_row("C16", quantity, made[0].n, NEW, verdict, reason)]
+    return [*made, closing_row("C16", quantity, verdict, reason, decisive)]
 
 
 def judge_prior(results: Results) -> list[Row]:
     """C18: with zero or tiny P0 the azimuth settles later than with the data sheet's."""
-    quantity, made, verdicts = "small P0", [], {}
+    quantity, made, decisive = "small P0", [], {}
     for place in TRAJECTORIES:
         for name in FILTERS:
 
@@ -138,19 +139,19 @@ def judge_prior(results: Results) -> list[Row]:
                 what = f"With the data sheet's P0 the azimuth settles sooner than with {scale:g} times that"
                 verdict, reason = most_rule(share, MINIMUM["side_runs"], what)
                 own = times(results, at(scale))
-                reason = f"{reason} With the small one {int((own == float('inf')).sum())} of {own.size} never settle or fail."
+                reason = f"{reason} With the small one {int(np.isinf(own).sum())} of {own.size} never settle or fail."
                 condition = f"{place.upper()}, P0 x {scale:g}, settles later"
                 made.append(numeric_row("C18", quantity, condition, share, share.n, name, verdict, reason, unit="1"))
                 if scale in SMALL:
-                    verdicts[f"{place.upper()} {name} x {scale:g}"] = verdict
+                    decisive[f"{place.upper()} {name} x {scale:g}"] = made[-1]
                 for measure in ("azimuth", "horizontal"):
                     found = ratio_of(results, at(FULL), at(scale), measure)
                     verdict, reason = ratio_rule(found, MINIMUM["side_runs"])
                     reason = f"RMSE with the data sheet's P0 over that with the small one. {reason}"
                     made.append(ratio_row("C18", quantity, f"{place.upper()}, P0 x {scale:g}, {measure}", found, name, verdict, reason))
-    verdict = together(verdicts.values())
+    verdicts = {words: row.verdict for words, row in decisive.items()}
     reason = (
         f"Does the azimuth settle later in most runs with P0 times {' or '.join(f'{scale:g}' for scale in SMALL)}? {listing(verdicts)} A "
         "filter that loses its Cholesky factor counts as one that never settles."
     )
-    return [*made, words_row("C18", quantity, made[0].n, ", ".join((*BASELINES, "ekf-f", "ukf")), verdict, reason)]
+    return [*made, closing_row("C18", quantity, together(verdicts.values()), reason, list(decisive.values()), larger=True)]
