@@ -248,11 +248,11 @@ def test_the_exact_jacobian_is_the_central_difference(clockwise):
         np.testing.assert_allclose(small, differences(model, x, u)[AZIMUTH, [NORTH, HEIGHT, V_EAST]], rtol=1e-3, atol=1e-15)
 
 
-def velocity_rates(x, u, rate):
-    """Rates of change (east, north) of ``V sin A cos p`` and ``V cos A cos p`` for a speed that changes by ``a - d``, tilt constant."""
+def velocity_rates(model, x, u, turns):
+    """Rates of change (east, north) of ``V (sin A, cos A) cos p``, with a speed that changes by ``a - d``, tilt constant."""
     sine, cosine = np.sin(x[AZIMUTH]), np.cos(x[AZIMUTH])
-    gained = u[ACCELERATION] - x[ODOMETER]
-    return np.array([gained * sine + u[SPEED] * cosine * rate(x), gained * cosine - u[SPEED] * sine * rate(x)]) * u[COS_PITCH]
+    gained, turned = u[ACCELERATION] - x[ODOMETER], u[SPEED] * model.clockwise * turn_rate(model, x, u) * turns
+    return np.array([gained * sine + turned * cosine, gained * cosine - turned * sine]) * u[COS_PITCH]
 
 
 def derivatives(function, x, states):
@@ -274,8 +274,7 @@ def test_the_printed_velocity_error_leaves_out_the_turn(loop, clockwise):
     for _ in range(20):
         x, u = drawn(rng, odometer=0.0)
         at = np.ix_([V_EAST, V_NORTH], states)
-        straight = derivatives(lambda y, u=u: velocity_rates(y, u, lambda _: 0.0), x, states)
-        whole = derivatives(lambda y, u=u: velocity_rates(y, u, lambda at: clockwise * turn_rate(printed, at, u)), x, states)
+        straight, whole = (derivatives(lambda y, u=u, t=turns: velocity_rates(printed, y, u, t), x, states) for turns in (0.0, 1.0))
         np.testing.assert_allclose(jacobian(printed, x, u)[at] / DT, straight, rtol=0, atol=1e-7)
         np.testing.assert_allclose(jacobian(turning, x, u)[at] / DT, whole, rtol=0, atol=1e-7)
         assert jacobian(printed, x, u)[V_UP, ODOMETER] == -u[SIN_PITCH] * DT
