@@ -242,9 +242,8 @@ def judge_joint(results: Results) -> list[Row]:
         f"Shapley values on the log of the horizontal error, T1-frozen, out of sample; the claim needs all three parts, the weakest "
         f"decides. By part: {listing(verdicts)} In detail, {' '.join(reasons)} The whole change: {told(whole)}"
     )
-    ours = (
-        f"{sum(word in ON_CLAIMED_SIDE for word in verdicts.values())} of {len(PARTS)} contribute" if verdict != Verdict.TOO_SMALL else ""
-    )
+    count = sum(word in ON_CLAIMED_SIDE for word in verdicts.values())
+    ours = "" if verdict == Verdict.TOO_SMALL else f"{count} of {len(PARTS)} contribute"
     closing = words_row("C19", "attribution to three parts", whole[0].n, NEW, verdict, reason, ours=ours)
     return [*made, *whole, *gains, closing]
 
