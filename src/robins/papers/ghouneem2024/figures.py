@@ -26,7 +26,7 @@ RATIOS = (
 )
 MEDIAN = (
     "The reporting run whose ratio of horizontal errors, New over incremental EKF, is the median of all; its number and ratio stand in "
-    "the title. Once a second. "
+    "the title. Once a second; a filter that fails is drawn until it does. "
 )
 METHODS = "New: UKF, self-tuning and gate with settings of T1's tuning runs. EKFs: data sheet's variances, no gate. "
 ONE_RUN = "One run shows what happens, not how often. "
@@ -120,7 +120,7 @@ FIGURES = (
     extra(
         "severity", "Severity of the environment", sweeps.draw_severity, ("severity",),
         "The mean numbers of outages, bursts and misleading fixes are scaled; 1 is the frozen environment, 0 clean fixes. Marks stand "
-        "aside so that bars do not cover each other. " + MEANS + TUNED + DATASHEET + SIDE_RUNS, "side_runs",
+        "aside so that bars do not cover each other; ≤ k fail: the most runs that any one filter loses. " + MEANS + TUNED + DATASHEET + SIDE_RUNS, "side_runs",
     ),
     extra(
         "gate", "What the gate rejects, and for how long", gate.draw_gate, gate.NEEDS,

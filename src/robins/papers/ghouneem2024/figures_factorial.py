@@ -133,12 +133,18 @@ def draw_attribution(results: Results) -> Drawing:
             printed = published_ratio(results, place, measure)
             draw_bars(ax, {name: contributions(results, name, place, measure) for name in BASELINES}, printed)
             style.published_marker(ax, [printed], [len(BARS) - 1])
-            panel_title(ax, PLACES[place], NAMES[measure])
+            panel_title(ax, PLACES[place], NAMES[measure] + left_out(results, place, measure))
     figure.supxlabel("factor on the RMSE (1); left of 1 the part makes the error smaller", fontsize=LABELS)
     handles = [Patch(label=f"from {VARIANTS[name].label}", **bar_look(name)) for name in BASELINES]
     title = f"What each part contributes to the new method (Shapley values), settings of {HEADLINE.upper()}'s tuning runs"
     headline(figure, title, [*handles, published_key("published New/EKF (one run)")])
     return figure
+
+
+def left_out(results: Results, place: str, measure: str) -> str:
+    """How many runs fail in a cell and are left out, in words; nothing when none does."""
+    failed = max(attribution(results, name, place, measure=measure).failed for name in BASELINES)
+    return f" · {failed} of {results.settings.sizes['runs']} fail" if failed else ""
 
 
 def bar_look(baseline: str) -> dict:
@@ -161,7 +167,7 @@ def draw_bars(ax: Axes, found: dict[str, dict[str, Interval]], printed: float) -
         for row, part in enumerate(BARS):
             interval = each[part]
             if not np.isfinite(interval.estimate):
-                ax.text(1.0, row + shift, " no run survives in every cell", fontsize=SMALL, va="center")
+                ax.text(0.99, row + shift, "no run survives", transform=ax.get_yaxis_transform(), fontsize=SMALL, ha="right", va="center")
                 continue
             ax.barh(row + shift, np.expm1(interval.estimate), HEIGHT * 0.9, left=1.0, zorder=2, **bar_look(baseline))
             if abs(interval.estimate) < SHORT:

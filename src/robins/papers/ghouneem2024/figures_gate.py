@@ -13,6 +13,7 @@ from robins.papers.ghouneem2024.palette import look
 from robins.papers.ghouneem2024.panels import (
     LABELS,
     PLACES,
+    SMALL,
     Mark,
     draw_marks,
     family_of,
@@ -85,10 +86,11 @@ def draw_longest(ax: Axes, results: Results, place: str) -> None:
     """The longest run of rejections of every run, by variant and settings, with the median."""
     ax.set_xscale("symlog", linthresh=1.0, linscale=0.4)
     for row, name in enumerate(GATED):
-        chosen = settings_of(name)
+        chosen, lost = settings_of(name), 0
         for frozen in chosen:
             lengths, failed = values(results, variant(name, place, frozen), "longest_rejection")
             lengths = lengths[~failed]
+            lost += int(failed.sum())
             y = row + (SPACING[frozen == HEADLINE] if len(chosen) > 1 else 0.0)
             color = look(family_of(name))["color"]
             face = color if frozen == HEADLINE else "white"
@@ -96,6 +98,8 @@ def draw_longest(ax: Axes, results: Results, place: str) -> None:
                     markerfacecolor=face, alpha=0.75)  # fmt: skip
             if len(lengths):
                 ax.plot([np.median(lengths)], [y], color=style.BLACK, linestyle="none", marker="|", markersize=10, markeredgewidth=1.6)
+        if lost:
+            ax.text(0.99, row, f"{lost} fail", transform=ax.get_yaxis_transform(), fontsize=SMALL, ha="right", va="center")
     ax.axvline(PATIENCE, color=style.BLACK, linewidth=0.7, linestyle=(0, (2, 2)), zorder=1)
     name_rows(ax, [label_of(name).replace("New: ", "New:\n").replace(", NIS", ",\nNIS") for name in GATED])
     ax.set_xlim(-0.3, 2000)

@@ -58,6 +58,7 @@ def draw_severity(results: Results) -> Drawing:
         for ax, place in zip(row, TRAJECTORIES, strict=True):
             for i, name in enumerate(SWEPT):
                 severity_curve(ax, found[place, name], name, 0.012 * (i - len(SWEPT) / 2))
+            count_failures(ax, np.max([[lost(each) for each in found[place, name]] for name in SWEPT], axis=0))
             panel_title(ax, PLACES[place], f"{results.settings.sizes['side_runs']} runs")
         row[0].set_ylabel(f"RMSE, {NAMES[measure]} ({UNITS[measure]})")
     plain_ticks(figure.axes[0], "x", SEVERITIES)
@@ -66,15 +67,19 @@ def draw_severity(results: Results) -> Drawing:
     return figure
 
 
+def count_failures(ax: Axes, worst: np.ndarray) -> None:
+    """At each severity the most runs that any one filter loses, where there are any."""
+    for severity, failed in zip(SEVERITIES, worst, strict=True):
+        if failed:
+            ax.annotate(f"≤ {failed} fail", (severity, 0.99), xycoords=("data", "axes fraction"), fontsize=SMALL, ha="center", va="top")
+
+
 def severity_curve(ax: Axes, found: list, name: str, shift: float) -> None:
     """Geometric means with intervals, moved aside by `shift` so that these do not cover each other; a gap where every run fails."""
     x = np.array(SEVERITIES) + shift
     ax.plot(x, [each.estimate for each in found], **line_of(name), zorder=3)
     low, high = np.clip(np.array([[each.low, each.high] for each in found]).T, *ax.get_ylim())
     ax.vlines(x, low, high, color=look(family_of(name))["color"], linewidth=0.9, zorder=2)
-    for place, each in zip(x, found, strict=True):
-        if lost(each):
-            ax.annotate(f"{each.failed} fail", (place, 0.98), xycoords=("data", "axes fraction"), fontsize=SMALL, ha="center", va="top")
 
 
 NEVER = 6000.0
