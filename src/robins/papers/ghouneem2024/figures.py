@@ -120,7 +120,8 @@ FIGURES = (
     extra(
         "severity", "Severity of the environment", sweeps.draw_severity, ("severity",),
         "The mean numbers of outages, bursts and misleading fixes are scaled; 1 is the frozen environment, 0 clean fixes. Marks stand "
-        "aside so that bars do not cover each other; ≤ k fail: the most runs that any one filter loses. " + MEANS + TUNED + DATASHEET + SIDE_RUNS, "side_runs",
+        "aside so that bars do not cover each other; ≤ k fail: the most runs that any one filter loses. "
+        + MEANS + TUNED + DATASHEET + SIDE_RUNS, "side_runs",
     ),
     extra(
         "gate", "What the gate rejects, and for how long", gate.draw_gate, gate.NEEDS,

@@ -43,6 +43,7 @@ from robins.papers.ghouneem2024.panels import (
     published_rmse,
     ratio_axis,
     reach,
+    remark,
 )
 from robins.papers.ghouneem2024.trajectories import TRAJECTORIES
 from robins.papers.ghouneem2024.variants import BASELINES, CONTROL, FACTORIAL, VARIANTS, variant_name
@@ -167,7 +168,7 @@ def draw_bars(ax: Axes, found: dict[str, dict[str, Interval]], printed: float) -
         for row, part in enumerate(BARS):
             interval = each[part]
             if not np.isfinite(interval.estimate):
-                ax.text(0.99, row + shift, "no run survives", transform=ax.get_yaxis_transform(), fontsize=SMALL, ha="right", va="center")
+                remark(ax, row + shift, "no run survives")
                 continue
             ax.barh(row + shift, np.expm1(interval.estimate), HEIGHT * 0.9, left=1.0, zorder=2, **bar_look(baseline))
             if abs(interval.estimate) < SHORT:

@@ -13,7 +13,6 @@ from robins.papers.ghouneem2024.palette import look
 from robins.papers.ghouneem2024.panels import (
     LABELS,
     PLACES,
-    SMALL,
     Mark,
     draw_marks,
     family_of,
@@ -25,6 +24,7 @@ from robins.papers.ghouneem2024.panels import (
     plain_ticks,
     ratio_axis,
     reach,
+    remark,
 )
 from robins.papers.ghouneem2024.studies import CAUSES
 from robins.papers.ghouneem2024.trajectories import TRAJECTORIES
@@ -99,7 +99,7 @@ def draw_longest(ax: Axes, results: Results, place: str) -> None:
             if len(lengths):
                 ax.plot([np.median(lengths)], [y], color=style.BLACK, linestyle="none", marker="|", markersize=10, markeredgewidth=1.6)
         if lost:
-            ax.text(0.99, row, f"{lost} fail", transform=ax.get_yaxis_transform(), fontsize=SMALL, ha="right", va="center")
+            remark(ax, row, f"{lost} fail")
     ax.axvline(PATIENCE, color=style.BLACK, linewidth=0.7, linestyle=(0, (2, 2)), zorder=1)
     name_rows(ax, [label_of(name).replace("New: ", "New:\n").replace(", NIS", ",\nNIS") for name in GATED])
     ax.set_xlim(-0.3, 2000)

@@ -131,10 +131,13 @@ def draw_marks(ax: Axes, marks: Sequence[Mark]) -> None:
             ax.plot([value], [mark.row], **dot(mark.family, mark.hollow, **mark.changes))
         if lost(mark.found):
             words = f"{lost(mark.found)} of {mark.found.n} fail" if np.isfinite(value) else f"all {mark.found.n} fail"
-            paper = {"facecolor": "white", "edgecolor": "none", "pad": 0.4}
-            ax.text(
-                0.99, mark.row, words, transform=ax.get_yaxis_transform(), fontsize=SMALL, ha="right", va="center", bbox=paper, zorder=6
-            )
+            remark(ax, mark.row, words)
+
+
+def remark(ax: Axes, row: float, words: str) -> None:
+    """Words at the right end of a row, over whatever is drawn there."""
+    paper = {"facecolor": "white", "edgecolor": "none", "pad": 0.4}
+    ax.text(0.99, row, words, transform=ax.get_yaxis_transform(), fontsize=SMALL, ha="right", va="center", bbox=paper, zorder=6)
 
 
 def dot(family: str, hollow: bool = False, **changes) -> dict:
