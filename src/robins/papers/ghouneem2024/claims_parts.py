@@ -52,13 +52,13 @@ from robins.papers.ghouneem2024.self_tuning import REFERENCED
 from robins.papers.ghouneem2024.studies import CAUSES
 from robins.papers.ghouneem2024.trajectories import TRAJECTORIES
 from robins.papers.ghouneem2024.tune import job_name, learned_from
-from robins.papers.ghouneem2024.variants import BASELINES, FACTORIAL, NEW, variant_name
+from robins.papers.ghouneem2024.variants import BASELINES, CONTROL, FACTORIAL, NEW, variant_name
 from robins.papers.protocol import Results
 
-PART_NEEDS = tuple(FACTORIAL)
-TUNING_NEEDS = (*PART_NEEDS, "literal", job_name("ukf"))
-GATE_NEEDS = (*PART_NEEDS, "cause")
-JOINT_NEEDS = (*PART_NEEDS, *SETTING_NEEDS[3:])
+PART_NEEDS = tuple(name for name, row in FACTORIAL.items() if row.family in (*BASELINES, "ukf"))
+TUNING_NEEDS = (*PART_NEEDS, CONTROL, variant_name(CONTROL, "st"), "literal", job_name("ukf"))
+GATE_NEEDS = (*PART_NEEDS, CONTROL, variant_name(CONTROL, "gate"), "cause")
+JOINT_NEEDS = (*PART_NEEDS, *SETTING_NEEDS)
 LITERAL = ("st-printed", "st-ms")
 DIVERGED = 10.0
 """A run whose horizontal error is as many times that with the data sheet's variances has diverged."""
