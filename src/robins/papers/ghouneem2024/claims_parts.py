@@ -112,7 +112,7 @@ def much_worse(results: Results, above: Where, below: Where) -> str:
     survived = ~(lost | other_lost)
     worse = int(np.sum(lost & ~other_lost) + np.sum(own[survived] > MUCH_WORSE * other[survived]))
     longest = int(rows(results, above)["longest_rejection"].max())
-    rejected = f"; longest run of rejected fixes {longest} s" if longest else ""
+    rejected = f"; at most {longest} fixes rejected in a row" if longest else ""
     return f"More than {MUCH_WORSE:g} times worse in {worse} of {len(own)} runs{rejected}."
 
 
