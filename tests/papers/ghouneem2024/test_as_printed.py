@@ -34,7 +34,7 @@ def filtered(linear, points, method=UNIT):
 def literal(linear, alpha, redrawn):
     """(14)-(31) for the linear system, with the points of (22) in (25) or with points drawn again: states and covariances."""
     model, sensor, z = linear
-    x, P, points, Q = np.zeros(N), np.eye(N), None, np.zeros((N, N))
+    x, P, points = np.zeros(N), np.eye(N), None
     lam = alpha**2 * N - N
     means = np.full(2 * N + 1, 0.5 / (N + lam))
     weights = means.copy()
