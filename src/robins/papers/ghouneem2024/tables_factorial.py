@@ -1,5 +1,7 @@
 """Tables of the reporting runs: the factorial, every channel, controls, ratios, and what the gain is made of."""
 
+from collections.abc import Collection
+
 import numpy as np
 import pandas as pd
 
@@ -35,6 +37,8 @@ from robins.papers.protocol import Results, Table
 CONTROLS = (CONTROL, *(name for name in VARIANTS if name not in FACTORIAL))
 """What the paper's method is held against beside its own EKF."""
 MEASURES = (*CHANNELS, "horizontal")
+SHARE_DIGITS = 4
+"""Decimals of a share: what is small against all others regenerates no closer."""
 FILTER_STEPS = (*((CONTROL, name) for name in BASELINES), ("ukf", CONTROL))
 """The change of the filter in two steps: to the UKF's model, and to the unscented transform."""
 
@@ -44,7 +48,7 @@ def frozen_choices(name: str) -> tuple[str, ...]:
     return TRAJECTORIES if VARIANTS[name].composition.get("cell", "none") != "none" else ("none",)
 
 
-def everywhere(names) -> list[tuple[dict, Where]]:
+def everywhere(names: Collection[str]) -> list[tuple[dict, Where]]:
     """Labels and rows of variants on both trajectories with all settings that they have."""
     return [
         ({"trajectory": place, "variant": name, "frozen": frozen}, variant(name, place, frozen))
@@ -114,8 +118,8 @@ def attributions(results: Results) -> pd.DataFrame:
         for part, change in (found.parts | {"all": found.total}).items():
             made.append(
                 {"trajectory": place, "frozen": frozen, "from": baseline, "measure": NAMES[measure], "part": part}
-                | {"change": finite(change.estimate)} | ends("change", change.low, change.high)
-                | {"factor": finite(np.exp(change.estimate)), "n": change.n, "failed": found.failed}
+                | {"factor": finite(np.exp(change.estimate))} | ends("factor", np.exp(change.low), np.exp(change.high))
+                | {"n": change.n, "failed": found.failed}
             )  # fmt: skip
     return framed(made)
 
@@ -135,7 +139,8 @@ def shares(results: Results) -> pd.DataFrame:
         found, whole = anova_shares(results, baseline, place, frozen, measure), attribution(results, baseline, place, frozen, measure)
         labels = {"trajectory": place, "frozen": frozen, "from": baseline}
         for source, share in (found or {"none": np.nan}).items():
-            made.append(labels | {"source": source, "share": finite(share), "n": whole.total.n, "failed": whole.failed})
+            made.append(labels | {"source": source, "share": finite(np.round(share, SHARE_DIGITS))})
+            made[-1] |= {"n": whole.total.n, "failed": whole.failed}
     return framed(made)
 
 
@@ -153,8 +158,6 @@ def filter_split(results: Results) -> pd.DataFrame:
     return framed(made)
 
 
-CHANGE_TOLERANCE = 1e-8
-"""Absolute tolerance of a change of a logarithm: the relative one of the errors that it is made from."""
 WHERE = ("trajectory", "variant", "frozen")
 TALLY = counts("n", "failed")
 
@@ -198,12 +201,11 @@ FACTORIAL_TABLES: tuple[Table, ...] = (
     make(
         "extra-attribution", "What the gain is made of", attributions,
         (
-            keys("trajectory", "frozen", "from", "measure", "part"), numbers(*interval_names("change"), absolute=CHANGE_TOLERANCE),
-            numbers("factor"), TALLY,
+            keys("trajectory", "frozen", "from", "measure", "part"), numbers(*interval_names("factor")), TALLY,
         ),
         FACTORIAL,
-        "Shapley values on the log error from an EKF (data sheet's variances, no gate) to ukf-st-gate: below zero where a part "
-        "makes the error smaller. 95 % interval over the runs. factor: its exponential; those of the parts multiply to that of all. A run "
+        "Shapley values of the log error from an EKF (data sheet's variances, no gate) to ukf-st-gate, as factors: below one where a part "
+        "makes the error smaller; those of the parts multiply to that of all. 95 % interval over the runs (as in extra-factorial). A run "
         f"that failed in any cell is left out of all. The filter's share is split in extra-filter-split. {RUNS}",
     ),
     make(

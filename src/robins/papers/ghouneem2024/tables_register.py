@@ -7,6 +7,7 @@ from robins.evaluate.ledger import OVERALL
 from robins.papers.columns import LINEAR, counts, keys, make, numbers, texts
 from robins.papers.ghouneem2024 import gps, sensors
 from robins.papers.ghouneem2024.claims import CLAIMS
+from robins.papers.ghouneem2024.ensemble import FIRST_RUN
 from robins.papers.ghouneem2024.filters import (
     FILTERS,
     JUMP_LIMITS,
@@ -19,6 +20,7 @@ from robins.papers.ghouneem2024.filters import (
 )
 from robins.papers.ghouneem2024.register import EQUATIONS
 from robins.papers.ghouneem2024.runs import BOUND
+from robins.papers.ghouneem2024.studies import FIRST_SIDE_RUN
 from robins.papers.ghouneem2024.table_parts import FROZEN, multiple_words, shown
 from robins.papers.ghouneem2024.tables_tuning import STATE_UNITS, STATES, scale_words
 from robins.papers.ghouneem2024.trajectories import TRAJECTORIES
@@ -180,8 +182,8 @@ REGISTER_TABLES: tuple[Table, ...] = (
     make(
         "extra-claims", "Claims and verdicts in short", claims,
         (keys("claim_id"), texts("location", "statement"), counts("n"), texts("verdict", "reason", kind="prose")), ("claims",),
-        "Decided against both readings of the EKF with T1-frozen settings, out of sample, in the frozen environment. n: runs from 100 on, "
-        "or from 400 on where a study decides. Every row behind a verdict is in the claim ledger.",
+        "Decided against both readings of the EKF with T1-frozen settings, out of sample, in the frozen environment. n: runs from "
+        f"{FIRST_RUN} on, or from {FIRST_SIDE_RUN} on where a study decides. Every row behind a verdict is in the claim ledger.",
     ),
     make(
         "extra-equations", "Audit of the paper's equations", equations, (keys("number"), texts("title", "status", "note", "test")), (),

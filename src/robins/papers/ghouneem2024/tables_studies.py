@@ -36,6 +36,7 @@ UNIFORM = 180.0 / np.sqrt(3.0)
 """RMSE of an azimuth error that is uniform over the circle, deg."""
 SHOWN_ABLATED = ("horizontal", "height", "azimuth", "v_up")
 AZIMUTHS = (*FILTERS, NEW, "riss-only", "gps-only")
+FILTERED = tuple(name for name in VARIANTS if name != "gps-only")
 HONEST = {"nis": 6, "nees_position": 3, "nees_azimuth": 1}
 """Degrees of freedom of each normalised square: the mean of an honest filter."""
 
@@ -128,7 +129,7 @@ def ablations(results: Results) -> pd.DataFrame:
 def consistency(results: Results) -> pd.DataFrame:
     """Normalised squares of innovations and errors, beside those of an honest filter."""
     made = []
-    for labels, at in everywhere(name for name in VARIANTS if name != "gps-only"):
+    for labels, at in everywhere(FILTERED):
         found, row = rows(results, at), dict(labels)
         for quantity, degrees in HONEST.items():
             absent = quantity == "nis" and labels["variant"] == "riss-only"  # no update, no innovation
@@ -235,7 +236,7 @@ STUDY_TABLES: tuple[Table, ...] = (
             numbers(*interval_names("nees_position")), counts("honest_nees_position"), numbers(*interval_names("nees_azimuth")),
             counts("honest_nees_azimuth"), TALLY,
         ),
-        tuple(name for name in VARIANTS if name != "gps-only"),
+        FILTERED,
         "nis: normalised innovation squared of the accepted fixes; nees: normalised estimation error squared, position and azimuth, once a "
         f"minute. Mean over a drive, then over the surviving runs with its 95 % interval (Student's t). honest: an honest filter's. {RUNS}",
     ),
