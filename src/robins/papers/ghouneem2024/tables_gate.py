@@ -130,8 +130,8 @@ GATE_TABLES: tuple[Table, ...] = (
             counts(*COMPARED_TALLY),
         ),
         (*dict.fromkeys(name for name in VARIANTS if VARIANTS[name].family in (*FILTERS, "physical")), *map(job_name, FILTERS)),
-        f"Horizontal error with the gate over that without. {RATIO} multiple: of the thresholds of (24), tuned on the trajectory frozen; with "
-        "self-tuning each side has the scale that its own cell chose. "
+        f"Horizontal error with the gate over that without. {RATIO} multiple: of the thresholds of (24), tuned on the trajectory frozen; "
+        "with self-tuning each side has the scale that its own cell chose. "
         f"better: share of the runs that the gated filter wins; twofold: share in which it is more than {MUCH_WORSE:g} times worse. "
         f"{GATE_WORDS} {RUNS}",
     ),
