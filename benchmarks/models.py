@@ -20,9 +20,12 @@ import numpy as np
 from robins.foundation.randomness import stream
 from robins.foundation.smallmat import kernel
 from robins.kalman.extension import implements
-from robins.kalman.model import linear_sensor, linearise, propagate
+from robins.kalman.model import linear_sensor, linearise, process_noise, propagate
+from robins.kalman.predict import Ekf, Ukf, unscented
 
 STATES, CHANNELS, INPUTS = 9, 6, 3
+ALPHA, BETA, KAPPA = 0.5, 2.0, 0.0
+"""Of the sigma points. A peer sums 2n+1 weighted points, whose digits cancel as alpha becomes smaller; no time depends on it."""
 N, E, U, VE, VN, VU, AZIMUTH, BIAS, SCALE = range(STATES)
 
 
@@ -51,13 +54,22 @@ def propagate_vehicle(model, x, u):
     x[SCALE] *= model.scale_decay
 
 
+@implements(process_noise, Vehicle)
+@kernel
+def process_noise_vehicle(model, x, u, Q):
+    for i in range(STATES):
+        for j in range(STATES):
+            Q[i, j] = 0.0
+        Q[i, i] = model.noise[i]
+
+
 @implements(linearise, Vehicle)
 @kernel
 def linearise_vehicle(model, x, u, F, Q):
-    for i in range(x.size):
-        for j in range(x.size):
-            F[i, j] = Q[i, j] = 0.0
-        Q[i, i] = model.noise[i]
+    process_noise_vehicle(model, x, u, Q)
+    for i in range(STATES):
+        for j in range(STATES):
+            F[i, j] = 0.0
     F[N, N] = F[E, E] = F[U, U] = F[AZIMUTH, AZIMUTH] = 1.0
     F[N, VN] = F[E, VE] = F[U, VU] = model.dt
     sine, cosine = np.sin(x[AZIMUTH]), np.cos(x[AZIMUTH])
@@ -78,6 +90,7 @@ class Drive(NamedTuple):
     model, sensor : NamedTuple
     x0, P0 : ndarray, shapes (s,) and (n, n)
     controls, measurements, truth : ndarray, shapes (K, l), (K, m) and (K, s)
+    predictor : Ekf or Ukf
     """
 
     model: NamedTuple
@@ -87,6 +100,7 @@ class Drive(NamedTuple):
     controls: np.ndarray
     measurements: np.ndarray
     truth: np.ndarray
+    predictor: Ekf | Ukf = Ekf()
 
 
 def drive(epochs: int, seed: int = 1, dt: float = 0.1) -> Drive:
@@ -108,3 +122,8 @@ def drive(epochs: int, seed: int = 1, dt: float = 0.1) -> Drive:
     sensor = linear_sensor(np.eye(CHANNELS, STATES), np.diag(measured**2), inputs=INPUTS)
     x0 = truth[0] + deviation * stream(seed, "benchmarks/start").standard_normal(STATES)
     return Drive(model, sensor, x0, np.diag(deviation**2), controls, truth[:, :CHANNELS] + sensor_noise, truth)
+
+
+def unscented_drive(epochs: int) -> Drive:
+    """The same `drive`, for an unscented filter."""
+    return drive(epochs)._replace(predictor=unscented(STATES, ALPHA, BETA, KAPPA))

@@ -6,7 +6,7 @@ from numba import njit
 from benchmarks.models import Drive
 from robins.kalman.filter import Record, run_filter
 from robins.kalman.model import linearise_observation, observe, retract
-from robins.kalman.predict import Ekf, predict
+from robins.kalman.predict import predict
 from robins.kalman.tuning import matching
 from robins.kalman.update import update_error, workspace
 from robins.kalman.weights import Weighting, weighting
@@ -22,8 +22,8 @@ def weightings(channels: int = 6) -> dict[str, Weighting]:
 def run_ours(drive: Drive, weights: Weighting) -> Record:
     """Filter the whole drive with `robins.kalman.filter.run_filter`."""
     valid = np.ones(len(drive.controls), bool)
-    return run_filter(Ekf(), drive.model, drive.sensor, weights, drive.x0[None], drive.P0, drive.controls, drive.measurements[None],
-                      valid, drive.x0.size, False)  # fmt: skip
+    return run_filter(drive.predictor, drive.model, drive.sensor, weights, drive.x0[None], drive.P0, drive.controls,
+                      drive.measurements[None], valid, drive.x0.size, False)  # fmt: skip
 
 
 def run_whole(drive: Drive) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -31,8 +31,9 @@ def run_whole(drive: Drive) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     epochs = len(drive.controls)
     states, covariances, nis = np.empty((epochs, drive.x0.size)), np.empty((epochs, *drive.P0.shape)), np.empty(epochs)
     compose(
-        Ekf(), drive.model, drive.sensor, drive.x0.copy(), drive.P0.copy(), drive.controls, drive.measurements, states, covariances, nis
-    )
+        drive.predictor, drive.model, drive.sensor, drive.x0.copy(), drive.P0.copy(), drive.controls, drive.measurements,
+        states, covariances, nis,
+    )  # fmt: skip
     return states, covariances, nis
 
 

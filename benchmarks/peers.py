@@ -1,10 +1,11 @@
-"""The same filter in filterpy: its `ExtendedKalmanFilter` with our model written in NumPy."""
+"""The same filters in filterpy: its `ExtendedKalmanFilter` and `UnscentedKalmanFilter` with our model written in NumPy."""
 
 import numpy as np
-from filterpy.kalman import ExtendedKalmanFilter
+from filterpy.kalman import ExtendedKalmanFilter, MerweScaledSigmaPoints, UnscentedKalmanFilter
 from numba import njit
 
-from benchmarks.models import AZIMUTH, BIAS, CHANNELS, SCALE, STATES, VE, VN, VU, Drive, E, N, U, Vehicle
+from benchmarks.models import ALPHA, AZIMUTH, BETA, BIAS, CHANNELS, KAPPA, SCALE, STATES, VE, VN, VU, Drive, E, N, U, Vehicle
+from robins.kalman.predict import Ukf
 from robins.navigation.inertial_sensor import linearise_inertial, observe_inertial
 from robins.navigation.strapdown import linearise_strapdown, propagate_strapdown, retract_strapdown
 
@@ -56,6 +57,26 @@ class VehicleFilter(ExtendedKalmanFilter):
         return self.x
 
 
+class VehicleSigmaFilter(UnscentedKalmanFilter):
+    """filterpy's unscented filter as its documentation uses it: f, h and `MerweScaledSigmaPoints` given to the constructor.
+
+    Its `predict` draws the points again for the update, which then is the linear one, since h is linear. An update that comes before
+    the first prediction finds no points, so they are drawn here.
+    """
+
+    def __init__(self, drive: Drive):
+        H, points = drive.sensor.H, MerweScaledSigmaPoints(STATES, ALPHA, BETA, KAPPA)
+        super().__init__(STATES, CHANNELS, drive.model.dt, lambda x: H @ x, lambda x, dt, u: propagate(drive.model, x, u), points)
+        self.x, self.P = drive.x0.copy(), drive.P0.copy()
+        self.Q, self.R = np.diag(drive.model.noise), drive.sensor.R.copy()
+        self.sigmas_f = points.sigma_points(self.x, self.P)
+
+    def process(self, z: np.ndarray, u: np.ndarray) -> np.ndarray:
+        """Update with the measurement `z`; returns the state."""
+        self.update(z)
+        return self.x
+
+
 @njit
 def move(model, state, u, F, Q):
     """Jacobian and noise of the step, and the step, in one call: each costs filterpy microseconds for the model's arrays alone."""
@@ -96,13 +117,19 @@ class StrapdownFilter(ExtendedKalmanFilter):
         return self.state
 
 
+def filterpy_filter(drive: Drive) -> VehicleFilter | VehicleSigmaFilter | StrapdownFilter:
+    """The filter of `drive`, at its start."""
+    if isinstance(drive.predictor, Ukf):
+        return VehicleSigmaFilter(drive)
+    return VehicleFilter(drive) if isinstance(drive.model, Vehicle) else StrapdownFilter(drive)
+
+
 def run_filterpy(drive: Drive) -> tuple[np.ndarray, np.ndarray]:
     """States ``(K, s)`` and covariances ``(K, n, n)`` after each update."""
-    ekf = VehicleFilter(drive) if isinstance(drive.model, Vehicle) else StrapdownFilter(drive)
-    epochs = len(drive.controls)
+    peer, epochs = filterpy_filter(drive), len(drive.controls)
     states, covariances = np.empty((epochs, drive.x0.size)), np.empty((epochs, *drive.P0.shape))
     for k in range(epochs):
-        states[k], covariances[k] = ekf.process(drive.measurements[k], drive.controls[k]), ekf.P
+        states[k], covariances[k] = peer.process(drive.measurements[k], drive.controls[k]), peer.P
         if k + 1 < epochs:
-            ekf.predict(drive.controls[k])
+            peer.predict(u=drive.controls[k])
     return states, covariances

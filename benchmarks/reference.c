@@ -1,8 +1,9 @@
 /* The composed filter step of robins, once more in C: the reference for its speed.
 
    The same algorithm in the same order: update (S and its Cholesky factor, gain, Joseph form), then prediction
-   (Jacobian, F P F^T + Q), with only half of a symmetric product computed. The sizes are constants, so the compiler
-   unrolls and vectorises (-O3 -march=native); zeros are skipped only where that is faster than vectors.
+   (Jacobian, F P F^T + Q, with only half of a symmetric product computed; or, where UNSCENTED is defined, sigma points,
+   their mean and their covariance). The sizes are constants, so the compiler unrolls and vectorises (-O3 -march=native);
+   zeros are skipped only where that is faster than vectors.
 
    MODEL names the header with the system, to be included: it defines the numbers n of errors, s of states, m of
    measurements and l of inputs, the struct Model, and propagate, linearise, observe, linearise_observation, retract. */
@@ -33,21 +34,14 @@ static void congruence(const double T[n][n], const double A[n][n], const double 
         for (int j = 0; j <= i; j++) out[i][j] = out[j][i] = out[i][j] + Q[i][j];
 }
 
-static void predict(const Model *model, double *x, double P[n][n], const double *u) {
-    double F[n][n], Q[n][n], FP[n][n];
-    linearise(model, x, u, F, Q);
-    propagate(model, x, u);
-    multiply(n, F, P, FP);
-    congruence(FP, F, Q, P);
-}
-
-static int cholesky(const double S[m][m], double L[m][m]) {
-    for (int j = 0; j < m; j++) {
+/* Lower factor; inlined for each size */
+static inline __attribute__((always_inline)) int cholesky(int size, const double S[size][size], double L[size][size]) {
+    for (int j = 0; j < size; j++) {
         double pivot = S[j][j];
         for (int k = 0; k < j; k++) pivot -= L[j][k] * L[j][k];
         if (!(pivot > 0.0 && pivot < INFINITY)) return 0;
         L[j][j] = sqrt(pivot);
-        for (int i = j + 1; i < m; i++) {
+        for (int i = j + 1; i < size; i++) {
             double total = S[i][j];
             for (int k = 0; k < j; k++) total -= L[i][k] * L[j][k];
             L[i][j] = total / L[j][j];
@@ -56,6 +50,64 @@ static int cholesky(const double S[m][m], double L[m][m]) {
     }
     return 1;
 }
+
+/* The fields of robins.kalman.predict.Ukf */
+typedef struct {
+    double spread, mean_centre, covariance_centre, other;
+} SigmaPoints;
+
+#ifdef UNSCENTED
+/* out += scale A^T A, whole rows */
+static void add_gram(double scale, const double A[n][n], double out[n][n]) {
+    for (int i = 0; i < n; i++) {
+        double row[n];
+        memcpy(row, out[i], sizeof row);
+        for (int k = 0; k < n; k++)
+            for (int j = 0; j < n; j++) row[j] += scale * A[k][i] * A[k][j];
+        memcpy(out[i], row, sizeof row);
+    }
+}
+
+/* Mean and covariance of sigma points that the model has moved: from sums and differences of each pair's distances from the centre */
+static int predict(const Model *model, const SigmaPoints *sigma, double *x, double P[n][n], const double *u) {
+    double L[n][n], points[2 * n + 1][n], even[n][n], odd[n][n], shift[n] = {0};
+    if (!cholesky(n, P, L)) return 0;
+    double scale = sqrt(sigma->spread);
+    memcpy(points[0], x, sizeof points[0]);
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++) {
+            points[1 + i][j] = x[j] + scale * L[j][i];
+            points[1 + n + i][j] = x[j] - scale * L[j][i];
+        }
+    for (int i = 0; i <= 2 * n; i++) propagate(model, points[i], u);
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++) {
+            double ahead = points[1 + i][j] - points[0][j], behind = points[1 + n + i][j] - points[0][j];
+            even[i][j] = ahead + behind, odd[i][j] = ahead - behind;
+            shift[j] += sigma->other * even[i][j];
+        }
+    double centre = sigma->covariance_centre + 2.0 * n * sigma->other - 2.0;
+    process_noise(model, P);
+    for (int i = 0; i < n; i++) {
+        x[i] = points[0][i] + shift[i];
+        for (int j = 0; j < n; j++) P[i][j] += centre * shift[i] * shift[j];
+    }
+    add_gram(0.5 * sigma->other, even, P);
+    add_gram(0.5 * sigma->other, odd, P);
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < i; j++) P[j][i] = P[i][j];
+    return 1;
+}
+#else
+static int predict(const Model *model, const SigmaPoints *none, double *x, double P[n][n], const double *u) {
+    double F[n][n], Q[n][n], FP[n][n];
+    linearise(model, x, u, F, Q);
+    propagate(model, x, u);
+    multiply(n, F, P, FP);
+    congruence(FP, F, Q, P);
+    return 1;
+}
+#endif
 
 /* Posterior covariance (I - K H) P (I - K H)^T + K R K^T = T + (K R - T H^T) K^T, T = P - K (H P), in place; K transposed */
 static void joseph(double P[n][n], const double K[m][n], const double HP[m][n], const double H[m][n], const double R[m][m]) {
@@ -101,7 +153,7 @@ static double update(double P[n][n], const double *innovation, const double H[m]
                 if (H[b][k] != 0.0) total += HP[a][k] * H[b][k];
             S[a][b] = S[b][a] = total;
         }
-    if (!cholesky(S, L)) return NAN;
+    if (!cholesky(m, S, L)) return NAN;
     memcpy(K, HP, sizeof K);
     for (int i = 0; i < m; i++) { /* K becomes S^-1 H P, the gain transposed */
         for (int k = 0; k < i; k++)
@@ -129,8 +181,8 @@ static double update(double P[n][n], const double *innovation, const double H[m]
 }
 
 /* Filter `epochs` measurements; leaves each posterior state, its covariance and its NIS. Returns 0, or 1 + the epoch that failed. */
-long run_filter(const Model *model, const double R[m][m], const double *x0, const double *P0, const double *controls,
-                const double *measurements, long epochs, double *states, double *covariances, double *nis) {
+long run_filter(const Model *model, const SigmaPoints *sigma, const double R[m][m], const double *x0, const double *P0,
+                const double *controls, const double *measurements, long epochs, double *states, double *covariances, double *nis) {
     double x[s], P[n][n], H[m][n], predicted[m], weights[m], innovation[m], error[n];
     memcpy(x, x0, sizeof x);
     memcpy(P, P0, sizeof P);
@@ -147,7 +199,7 @@ long run_filter(const Model *model, const double R[m][m], const double *x0, cons
         retract(model, x, error);
         memcpy(states + s * k, x, sizeof x);
         memcpy(covariances + n * n * k, P, sizeof P);
-        if (k + 1 < epochs) predict(model, x, P, u);
+        if (k + 1 < epochs && !predict(model, sigma, x, P, u)) return 1 + k;
     }
     return 0;
 }

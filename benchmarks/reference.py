@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.models import Drive, Vehicle
+from robins.kalman.predict import Ukf
 
 SOURCE = Path(__file__).with_name("reference.c")
 FLAGS = ("-O3", "-march=native", "-shared", "-fPIC")
@@ -22,10 +23,10 @@ def compiler() -> str | None:
 
 
 def definitions(drive: Drive) -> tuple[str, ...]:
-    """The compiler's arguments that choose the system of `drive` and with it all sizes."""
-    if isinstance(drive.model, Vehicle):
-        return ('-DMODEL="vehicle.h"',)
-    return '-DMODEL="strapdown.h"', f"-DAUGMENTED={int(drive.model.augmented)}"
+    """The compiler's arguments that choose the system of `drive` and with it all sizes, and the prediction."""
+    if not isinstance(drive.model, Vehicle):
+        return '-DMODEL="strapdown.h"', f"-DAUGMENTED={int(drive.model.augmented)}"
+    return ('-DMODEL="vehicle.h"',) + (("-DUNSCENTED",) if isinstance(drive.predictor, Ukf) else ())
 
 
 def constants(drive: Drive) -> np.ndarray:
@@ -60,14 +61,14 @@ class Reference:
                 raise RuntimeError(f"{command} failed: {made.stderr.strip().splitlines()[-1]}")
             self._function = ctypes.CDLL(str(library)).run_filter
         self._function.restype = ctypes.c_long
-        inputs = (constants(drive), drive.sensor.R, drive.x0, drive.P0, drive.controls, drive.measurements)
+        inputs = (constants(drive), drive.predictor, drive.sensor.R, drive.x0, drive.P0, drive.controls, drive.measurements)
         self._inputs = [np.ascontiguousarray(array, float) for array in inputs]
         epochs = len(drive.controls)
         self.states, self.nis = np.empty((epochs, drive.x0.size)), np.empty(epochs)
         self.covariances = np.empty((epochs, *drive.P0.shape))
         outputs = (self.states, self.covariances, self.nis)
         pointers = [array.ctypes.data_as(POINTER) for array in (*self._inputs, *outputs)]
-        self._arguments = (*pointers[:6], ctypes.c_long(epochs), *pointers[6:])
+        self._arguments = (*pointers[:7], ctypes.c_long(epochs), *pointers[7:])
 
     def run(self) -> None:
         """Filter the whole drive."""

@@ -20,10 +20,14 @@ static void propagate(const Model *v, double *x, const double *u) {
     x[SCALE] *= v->scale_decay;
 }
 
-static void linearise(const Model *v, const double *x, const double *u, double F[n][n], double Q[n][n]) {
-    memset(F, 0, sizeof(double) * n * n);
+static void process_noise(const Model *v, double Q[n][n]) {
     memset(Q, 0, sizeof(double) * n * n);
     for (int i = 0; i < n; i++) Q[i][i] = v->noise[i];
+}
+
+static void linearise(const Model *v, const double *x, const double *u, double F[n][n], double Q[n][n]) {
+    memset(F, 0, sizeof(double) * n * n);
+    process_noise(v, Q);
     F[N][N] = F[E][E] = F[U][U] = F[AZIMUTH][AZIMUTH] = 1.0;
     F[N][VN] = F[E][VE] = F[U][VU] = v->dt;
     double sine = sin(x[AZIMUTH]), cosine = cos(x[AZIMUTH]);

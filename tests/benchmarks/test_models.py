@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from benchmarks import peers
-from benchmarks.models import INPUTS, STATES, drive, linearise_vehicle, propagate_vehicle
+from benchmarks.models import INPUTS, STATES, drive, linearise_vehicle, process_noise_vehicle, propagate_vehicle, unscented_drive
+from benchmarks.reference import definitions
 
 RECORDED = drive(20)
 
@@ -45,3 +46,17 @@ def test_the_numpy_form_is_the_compiled_one(seed):
 def test_a_drive_is_the_same_in_every_run():
     np.testing.assert_array_equal(drive(20).measurements, RECORDED.measurements)
     assert not np.array_equal(drive(20, seed=2).measurements, RECORDED.measurements)
+
+
+def test_the_noise_without_a_jacobian_is_the_one_beside_it():
+    F, Q, alone = np.empty((STATES, STATES)), np.empty((STATES, STATES)), np.empty((STATES, STATES))
+    linearise_vehicle(RECORDED.model, *random_state(0), F, Q)
+    process_noise_vehicle(RECORDED.model, *random_state(0), alone)
+    np.testing.assert_array_equal(alone, Q)
+
+
+def test_the_unscented_filter_gets_the_same_drive():
+    unscented = unscented_drive(20)
+    for field in ("x0", "P0", "controls", "measurements", "truth"):
+        np.testing.assert_array_equal(getattr(unscented, field), getattr(RECORDED, field))
+    assert "-DUNSCENTED" in definitions(unscented) and "-DUNSCENTED" not in definitions(RECORDED)

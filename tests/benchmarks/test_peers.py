@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from benchmarks import ours, peers, reference
-from benchmarks.__main__ import AGREEMENT, CASES, agreement
-from benchmarks.models import CHANNELS
+from benchmarks.models import CHANNELS, drive, unscented_drive
+from benchmarks.steps import AGREEMENT, CASES, agreement
 
 pytestmark = pytest.mark.slow
 EPOCHS = 400
@@ -67,3 +67,20 @@ def test_without_a_compiler_the_reference_says_so(recorded, monkeypatch):
     monkeypatch.setattr(reference, "compiler", lambda: None)
     with pytest.raises(RuntimeError, match="no C compiler"):
         reference.Reference(recorded)
+
+
+@pytest.mark.skipif(reference.compiler() is None, reason="no C compiler")
+def test_the_unscented_reference_is_another_filter_on_the_same_drive():
+    extended, unscented = reference.Reference(drive(EPOCHS)), reference.Reference(unscented_drive(EPOCHS))
+    extended.run()
+    unscented.run()
+    np.testing.assert_array_equal(extended.states[0], unscented.states[0])  # before the first prediction
+    assert np.abs(extended.covariances[1:] - unscented.covariances[1:]).max() > 1e4 * AGREEMENT
+
+
+@pytest.mark.skipif(reference.compiler() is None, reason="no C compiler")
+def test_the_unscented_reference_stops_at_a_covariance_without_a_root():
+    recorded = unscented_drive(3)
+    indefinite = recorded._replace(P0=recorded.P0 - 2.0 * np.diag(np.eye(9)[8] * recorded.P0[8, 8]))
+    with pytest.raises(RuntimeError, match="failed at epoch 0"):
+        reference.Reference(indefinite).run()
