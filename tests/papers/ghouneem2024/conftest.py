@@ -19,7 +19,7 @@ from robins.papers.ghouneem2024.variants import VARIANTS
 from robins.papers.protocol import Output, Results, Settings
 
 SEED = 1
-SIZES = {"runs": 3, "side_runs": 2, "in_sample_runs": 2, "tuning_runs": 1, "calibration_runs": 2, "bootstrap": 200}
+SIZES = {"runs": 3, "side_runs": 2, "in_sample_runs": 1, "tuning_runs": 1, "calibration_runs": 2, "bootstrap": 200}
 ALONE = ("calibration", "cause", "initialisation", "unscented", "prior", "ablations", "long-outage", "jump")
 TUNED = ("severity", "literal")
 """Studies that need nothing, and those that need tuning jobs."""
