@@ -60,7 +60,7 @@ TUNING_NEEDS = (*PART_NEEDS, CONTROL, variant_name(CONTROL, "st"), "literal", jo
 GATE_NEEDS = (*PART_NEEDS, CONTROL, variant_name(CONTROL, "gate"), "cause")
 JOINT_NEEDS = (*PART_NEEDS, *SETTING_NEEDS)
 LITERAL = ("st-printed", "st-ms")
-DIVERGED = 10.0
+DIVERGED = 30.0
 """A run whose horizontal error is as many times that with the data sheet's variances has diverged."""
 MUCH_WORSE = 2.0
 GATED = (8.0, 2.0, 0.5)
@@ -140,7 +140,7 @@ def convergence_rows(results: Results) -> list[Row]:
             pair = (variant(variant_name(name, "st"), place), variant(name, place))
             share = sooner(results, [pair])
             verdict, reason = most_rule(share, MINIMUM["runs"], "The azimuth settles sooner with self-tuning")
-            condition, names = f"{place.upper()}, T1-frozen, share of runs that settle sooner", f"{name}-st/{name}"
+            condition, names = f"{place.upper()}, T1-frozen, frozen environment, share of runs that settle sooner", f"{name}-st/{name}"
             made.append(numeric_row("C11", "self-tuning purpose", condition, share, share.n, names, verdict, reason, unit="1"))
     return made
 

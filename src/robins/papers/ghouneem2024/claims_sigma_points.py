@@ -24,7 +24,7 @@ from robins.papers.ghouneem2024.judging import (
     words_row,
 )
 from robins.papers.ghouneem2024.runs import CHANNELS
-from robins.papers.ghouneem2024.studies import AZIMUTH_ERRORS
+from robins.papers.ghouneem2024.studies import AZIMUTH_ERRORS, DATA_SHEET, MATCHED
 from robins.papers.ghouneem2024.theory import LAWS, POWERS
 from robins.papers.ghouneem2024.trajectories import TRAJECTORIES
 from robins.papers.ghouneem2024.tune import CELLS
@@ -38,7 +38,8 @@ LARGE = 0.05
 """Relative difference between the UKF and the EKF with its model above which a sentence is owed."""
 TRANSFORM_NEEDS = (UKF, CONTROL, *BASELINES, *(variant_name(name, cell) for name in (UKF, CONTROL) for cell in CELLS))
 CONVERGENCE_NEEDS = ("initialisation",)
-ALL = "all initial errors"
+ALL = "all initial errors, P0 of the data sheet"
+KNOWN = "all initial errors, P0 that knows them"
 EXACT = 1e-9
 """Relative difference below which a moment counts as exact."""
 
@@ -140,9 +141,9 @@ def model_rows(results: Results) -> list[Row]:
     return made
 
 
-def started(place: str, error: float, name: str, alpha: float) -> Where:
+def started(place: str, error: float, name: str, alpha: float, prior: str = DATA_SHEET) -> Where:
     """Rows of the study of the initial azimuth."""
-    return where("initialisation", trajectory=place, azimuth_error=error, filter=name, alpha=alpha)
+    return where("initialisation", trajectory=place, azimuth_error=error, prior=prior, filter=name, alpha=alpha)
 
 
 def judge_convergence(results: Results) -> list[Row]:
@@ -153,10 +154,11 @@ def judge_convergence(results: Results) -> list[Row]:
     for place in TRAJECTORIES:
         for rival in (CONTROL, *BASELINES):
 
-            def pair(error: float, own: float, place: str = place, rival: str = rival) -> tuple[Where, Where]:
-                return started(place, error, UKF, own), started(place, error, rival, alpha)
+            def pair(error: float, own: float, place: str = place, rival: str = rival, prior: str = DATA_SHEET) -> tuple[Where, Where]:
+                return started(place, error, UKF, own, prior), started(place, error, rival, alpha, prior)
 
             cases = {ALL: [pair(error, alpha) for error in wrong]}
+            cases |= {KNOWN: [pair(error, alpha, prior=MATCHED) for error in wrong]}
             cases |= {f"initial error {np.degrees(error):.0f} deg": [pair(error, alpha)] for error in AZIMUTH_ERRORS}
             if alpha != 1.0:
                 cases[f"{ALL}, alpha 1"] = [pair(error, 1.0) for error in wrong]
@@ -165,14 +167,14 @@ def judge_convergence(results: Results) -> list[Row]:
                 verdict, reason = most_rule(share, MINIMUM["side_runs"], "The UKF settles sooner")
                 condition = f"{place.upper()}, {words}"
                 made.append(numeric_row("C14", quantity, condition, share, share.n, f"{UKF}/{rival}", verdict, reason, unit="1"))
-                if words == ALL:
-                    decisive[f"{place.upper()} against {rival}"] = made[-1]
+                if words in (ALL, KNOWN):
+                    decisive[f"{place.upper()} against {rival}, {words}"] = made[-1]
     never = never_rows(results, alpha)
     counts = "; ".join(f"{row.condition} {row.variant} {row.ours}" for row in never)
     verdicts = {words: row.verdict for words, row in decisive.items()}
     reason = (
         f"Share of the runs in which the UKF's azimuth settles within 5 deg sooner, at more initial errors than later: {listing(verdicts)} "
-        f"Never settled: {counts}."
+        f"Never settled with P0 of the data sheet: {counts}."
     )
     return [*made, *never, closing_row("C14", quantity, together(verdicts.values()), reason, list(decisive.values()), larger=True)]
 

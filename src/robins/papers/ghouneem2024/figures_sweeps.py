@@ -26,7 +26,7 @@ from robins.papers.ghouneem2024.panels import (
     reach,
     spread_of,
 )
-from robins.papers.ghouneem2024.studies import ALPHAS, AZIMUTH_ERRORS, SEVERITIES
+from robins.papers.ghouneem2024.studies import ALPHAS, AZIMUTH_ERRORS, DATA_SHEET, SEVERITIES
 from robins.papers.ghouneem2024.trajectories import TRAJECTORIES
 from robins.papers.ghouneem2024.variants import NEW
 from robins.papers.protocol import Results
@@ -111,7 +111,7 @@ def settling_curve(ax: Axes, results: Results, place: str, name: str, alpha: flo
     found = []
     for error in AZIMUTH_ERRORS:
         settled, failed = values(
-            results, where("initialisation", trajectory=place, azimuth_error=error, filter=name, alpha=alpha), "settled"
+            results, where("initialisation", trajectory=place, azimuth_error=error, prior=DATA_SHEET, filter=name, alpha=alpha), "settled"
         )
         found.append(spread_of(np.where(failed, np.inf, settled), np.zeros(len(settled), bool)))
     low, middle, high = np.minimum([[each.low, each.estimate, each.high] for each in found], NEVER).T

@@ -12,7 +12,8 @@ _FILTERS = (
         "The loop of the EKF is called closed, but what the correction of the velocity does is not said: (1) computes it anew from the "
         "odometer at every step, (3) integrates its error.",
         "`ekf-pi` keeps the corrected velocity and adds increments, nearer to (3); `ekf-pm` overwrites it, nearer to (1); `ekf-f` is the "
-        "control, with the exact Jacobian of (1). No verdict rests on one of the first two alone.",
+        "control, with the exact Jacobian of (1). The increment is taken with the corrected azimuth at both ends. No verdict rests on "
+        "one of the first two alone.",
     ),
     Assumption(
         "A2",
@@ -31,7 +32,9 @@ _FILTERS = (
         "A4",
         "assumption",
         "How well the first position and azimuth were known is not said.",
-        "Errors of 2.5, 2.5 and 4 m and 5 deg (one sigma), no velocity, no bias. A sweep goes to 179 deg.",
+        "Errors of 2.5, 2.5 and 4 m and 5 deg (one sigma), no velocity, no bias. A sweep goes to 179 deg, with the P0 of 5 deg and with "
+        "one that "
+        "knows the error: the first decides from where a filter never settles.",
     ),
     Assumption(
         "A5",
@@ -78,13 +81,16 @@ _FILTERS = (
         "A11",
         "assumption",
         "The covariance that (1) gives the velocity is singular (Prop4).",
-        "$10^{-6}$ (m/s)² are added to each velocity at every step, in `ekf-f` and `ukf` alike.",
+        "$10^{-6}$ (m/s)² are added to each velocity at every step, in `ekf-f` and `ukf` alike; in the printed error models an ablation "
+        "adds them too, which changes their altitude.",
     ),
     Assumption(
         "A12",
         "ambiguity",
         "Whether the azimuth is kept within a turn, in the filter and in the tables, is not said.",
-        "Never wrapped in the filter, wrapped in every error. An RMSE without wrapping stands beside it (Prop2).",
+        "Never wrapped in the filter nor between its sigma points, wrapped in every error. That matters where the azimuth's deviation is "
+        "radians: in the UKF with unscaled self-tuned Q, whose errors rounding decides anyway; of them only divergence is told. An RMSE "
+        "without wrapping stands beside it (Prop2).",
     ),
     Assumption(
         "A13",

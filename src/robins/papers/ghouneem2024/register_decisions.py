@@ -87,7 +87,9 @@ DECISIONS = (
         "D9",
         "disclosure",
         "Tuning has one criterion, the mean log RMSE over seven channels, and one grid, the same for every filter.",
-        "Another criterion may choose other thresholds; what it chooses is published.",
+        "Another criterion may choose other thresholds; every setting's objective is published. Near ties there are decided by a few "
+        "tuning "
+        "runs, and a scale may stand at the end of the grid.",
     ),
     Assumption(
         "D10",

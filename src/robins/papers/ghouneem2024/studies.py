@@ -9,7 +9,8 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 import pandas as pd
 
-from robins.papers.ghouneem2024.filters import FILTERS, Design, Variances, design, physical
+from robins.navigation.riss import AZIMUTH, V_EAST, V_UP
+from robins.papers.ghouneem2024.filters import FILTERS, VELOCITY_FLOOR, Design, Variances, design, physical
 from robins.papers.ghouneem2024.gps import ENVIRONMENTS, Environment
 from robins.papers.ghouneem2024.runs import Case, controls, headline, prepare, received, run, scores
 from robins.papers.ghouneem2024.self_tuning import LEVELS, self_tuned
@@ -26,6 +27,9 @@ CAUSES = ("misleading", "multipath", "outages")
 AZIMUTH_ERRORS = tuple(np.radians([0.0, 30.0, 60.0, 90.0, 120.0, 150.0, 179.0]))
 ALPHAS = (1e-3, 0.1, 1.0)
 PRIOR_SCALES = (0.0, 1e-4, 1e-2, 1.0)
+PRIOR_ERROR = float(np.radians(30.0))
+DATA_SHEET, MATCHED = PRIORS = ("data sheet", "matched")
+"""What the filters of the study ``initialisation`` believe of their initial azimuth."""
 LONG_OUTAGE = (600.0, 300.0)
 """First second and length of the outage of the study ``long-outage``."""
 JUMP_FIX, JUMP_METRES = 900, 200.0
@@ -100,14 +104,28 @@ def cause(settings: Settings) -> Output:
 
 
 def initialisation(settings: Settings) -> Output:
-    """Convergence from a wrong azimuth with clean satellites: columns trajectory, azimuth_error, filter, alpha."""
-    made = {(name, settings.options["alpha"]): design(name, settings.options) for name in FILTERS}
-    made[("ukf", 1.0)] = design("ukf", settings.options, alpha=1.0)
-    cases = cases_of(
-        settings,
-        lambda place: {(error,): {"environment": ENVIRONMENTS[place].scaled(0.0), "azimuth_error": error} for error in AZIMUTH_ERRORS},
-    )
-    return over(cases, side_runs(settings), made, ["trajectory", "azimuth_error"], ["filter", "alpha"])
+    """Convergence from a wrong azimuth with clean satellites: columns trajectory, azimuth_error, prior, filter, alpha.
+
+    prior: the filters believe in the data sheet's 5 deg, or in the error that there is (matched, where it is larger).
+    """
+    frames = []
+    for error in AZIMUTH_ERRORS:
+        made = {}
+        for prior_words in PRIORS:
+            for name, alpha in (*((name, settings.options["alpha"]) for name in FILTERS), ("ukf", 1.0)):
+                base = design(name, settings.options, alpha=alpha)
+                initial = base.variances.initial.copy()
+                if prior_words == MATCHED:
+                    initial[AZIMUTH] = max(initial[AZIMUTH], error**2)
+                made[(prior_words, name, alpha)] = base._replace(variances=Variances(base.variances.process, initial))
+        frames.append(started_wrong(settings, error, made, ["prior", "filter", "alpha"]))
+    return Output(pd.concat(frames, ignore_index=True))
+
+
+def started_wrong(settings: Settings, error: float, made: Mapping[tuple, Design], names: Sequence[str]) -> pd.DataFrame:
+    """Scores with clean satellites and an initial azimuth that is wrong by `error`: columns trajectory, azimuth_error and `names`."""
+    cases = cases_of(settings, lambda place: {(error,): {"environment": ENVIRONMENTS[place].scaled(0.0), "azimuth_error": error}})
+    return over(cases, side_runs(settings), made, ["trajectory", "azimuth_error"], names).table
 
 
 def unscented(settings: Settings) -> Output:
@@ -122,16 +140,17 @@ def unscented(settings: Settings) -> Output:
 
 
 def prior(settings: Settings) -> Output:
-    """Errors and convergence over a multiplier of P0: columns trajectory, prior_scale, filter."""
-    frames = []
+    """Errors and convergence over a multiplier of P0, from an azimuth that is wrong by `PRIOR_ERROR`, with clean satellites.
+
+    Columns trajectory, azimuth_error, prior_scale, filter. In the frozen environment the last outage would decide when the azimuth
+    stays within its bound.
+    """
+    made = {}
     for scale in PRIOR_SCALES:
-        made = {}
         for name in FILTERS:
             base = design(name, settings.options)
             made[(scale, name)] = base._replace(variances=Variances(base.variances.process, scale * base.variances.initial))
-        cases = cases_of(settings, lambda place: {(): {}})
-        frames.append(over(cases, side_runs(settings), made, ["trajectory"], ["prior_scale", "filter"]).table)
-    return Output(pd.concat(frames, ignore_index=True))
+    return Output(started_wrong(settings, PRIOR_ERROR, made, ["prior_scale", "filter"]))
 
 
 def ablations(settings: Settings) -> Output:
@@ -147,10 +166,19 @@ def ablations(settings: Settings) -> Output:
         for name in ("ukf",) if label == "azimuth literal" else FILTERS:
             made[(label, name)] = design(name, settings.options, **fields)
     made[("turn terms", "ekf-pi")] = design("ekf-pi", settings.options, turning=True)
+    for name in ("ekf-pi", "ekf-pm"):
+        made[("velocity floor", name)] = floored(design(name, settings.options))
     table = over(cases_of(settings, lambda place: {(): {}}), side_runs(settings), made, ["trajectory"], ["ablation", "filter"]).table
     held = {("odometer held", name): design(name, settings.options) for name in FILTERS}
     late = over(cases_of(settings, lambda place: {(): {"hold": True}}), side_runs(settings), held, ["trajectory"], ["ablation", "filter"])
     return Output(pd.concat([table, late.table], ignore_index=True))
+
+
+def floored(made: Design) -> Design:
+    """A design whose velocity gets the process noise that only the total-state filters have."""
+    process = made.variances.process.copy()
+    process[V_EAST : V_UP + 1] += VELOCITY_FLOOR
+    return made._replace(variances=made.variances._replace(process=process))
 
 
 def literal(settings: Settings, results: Results) -> Output:

@@ -18,7 +18,7 @@ from robins.papers.ghouneem2024.ensemble import FIRST_RUN
 from robins.papers.ghouneem2024.filters import FILTERS
 from robins.papers.ghouneem2024.judging import NAMES, together
 from robins.papers.ghouneem2024.runs import CHANNELS
-from robins.papers.ghouneem2024.studies import FIRST_SIDE_RUN
+from robins.papers.ghouneem2024.studies import DATA_SHEET, FIRST_SIDE_RUN
 from robins.papers.ghouneem2024.table_parts import (
     FILTER_WORDS,
     MEAN,
@@ -100,13 +100,14 @@ def tuning_evidence(results: Results) -> tuple[str, int]:
 def convergence_evidence(results: Results) -> tuple[str, int]:
     """How many runs settle from a wrong azimuth, by filter."""
     table = results.table("initialisation")
-    table = table[table["alpha"] == results.settings.options["alpha"]]
+    table = table[(table["alpha"] == results.settings.options["alpha"]) & (table["prior"] == DATA_SHEET)]
     found = []
     for name in FILTERS:
         own = table[table["filter"] == name]
         settled = int((np.isfinite(own["settled"]) & ~own["failed"]).sum())
         found.append(f"{name} {settled} of {len(own)}")
-    words = f"Clean fixes, first azimuth wrong by 0 to {np.degrees(table['azimuth_error'].max()):.0f} deg: runs that settle within 5 deg: "
+    largest = np.degrees(table["azimuth_error"].max())
+    words = f"Clean fixes, first azimuth wrong by 0 to {largest:.0f} deg, P0 of the data sheet: runs that settle within 5 deg: "
     return words + ", ".join(found) + ".", table["run"].nunique()
 
 
