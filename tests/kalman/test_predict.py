@@ -11,7 +11,7 @@ from numba.core.errors import TypingError
 from robins.foundation.smallmat import assign
 from robins.kalman.extension import implements
 from robins.kalman.model import linearise, process_noise, propagate
-from robins.kalman.predict import Ekf, predict, unscented
+from robins.kalman.predict import Ekf, predict, sigma_points, unscented
 from robins.kalman.update import workspace
 
 DT = 0.1
@@ -204,6 +204,37 @@ def test_the_weights_are_those_of_the_equations():
     assert (made.mean_centre, made.covariance_centre, made.other) == pytest.approx(
         (reference.Wm[0], reference.Wc[0], reference.Wm[1]), rel=1e-12
     )
+
+
+def drawn(P, alpha=0.3):
+    """Mean and covariance by the weights of the points that are drawn from a covariance, and the points."""
+    n, made = len(P), unscented(len(P), alpha)
+    points, root = np.empty((2 * n + 1, n)), np.zeros((n, n))
+    x = np.arange(1.0, n + 1.0)
+    assert sigma_points(x, P, made.spread, root, points)
+    mean = made.mean_centre * points[0] + made.other * points[1:].sum(axis=0)
+    around = points - mean
+    spread = made.covariance_centre * np.outer(around[0], around[0]) + made.other * around[1:].T @ around[1:]
+    return mean - x, spread, points
+
+
+COUPLED = np.array([[2.0, 0.6, -0.4], [0.6, 1.0, 0.3], [-0.4, 0.3, 0.5]])
+
+
+def test_sigma_points_have_the_mean_and_the_covariance_that_they_are_drawn_from():
+    """ghouneem2024 (14)-(16), with columns of the lower factor and column i - n in (16)."""
+    off, spread, points = drawn(COUPLED)
+    np.testing.assert_allclose(off, 0.0, atol=1e-12)
+    np.testing.assert_allclose(spread, COUPLED, rtol=0, atol=1e-13)
+    np.testing.assert_allclose(points[1:4] - points[0], points[0] - points[4:], rtol=0, atol=1e-13)
+
+
+def test_rows_of_the_lower_factor_are_sigma_points_of_another_covariance():
+    """ghouneem2024 (15) says row: right for an upper factor alone."""
+    lower = np.linalg.cholesky(COUPLED)
+    by_rows, by_columns = (sum(np.outer(step, step) for step in steps) for steps in (lower, lower.T))
+    np.testing.assert_allclose(by_columns, COUPLED, rtol=0, atol=1e-14)
+    assert np.abs(by_rows - COUPLED).max() > 0.1
 
 
 @pytest.mark.parametrize(

@@ -231,7 +231,7 @@ def filter_records(predictor, model, sensor, weighting, x0, P0, controls, measur
             record_moments(x, P, record.prior, record.prior_variance, run, k)
             if valid[k]:
                 linearise_observation(sensor, x, u[k], work.H)
-                observe(sensor, x, u[k], predicted_z)
+                observe(sensor, x, u[k], predicted_z)  # (26) ghouneem2024, whose h is linear
                 for i in range(m):
                     work.innovation[i] = measurements[run, k, i] - predicted_z[i]  # (27) imani2026
                 measurement_noise(sensor, u[k], noise.R)

@@ -66,7 +66,7 @@ def unscented(n: int, alpha: float = 0.1, beta: float = 2.0, kappa: float = 0.0)
 def propagate_covariance(F, Q, FP, P):
     """``P <- F P F^T + Q``; leaves ``F P`` in `FP`."""
     multiply(F, P, FP)
-    congruence(FP, F, Q, P)  # (20) imani2026
+    congruence(FP, F, Q, P)  # (20) imani2026 # (8) ghouneem2024
 
 
 def predict(predictor, model, x, P, u, work):
@@ -91,7 +91,7 @@ def _predict(predictor, model, x, P, u, work):
         def by_jacobian(predictor, model, x, P, u, work):
             F, Q, FP = work.F, work.Q, work.FP
             linearise(model, x, u, F, Q)
-            propagate(model, x, u)
+            propagate(model, x, u)  # (7) ghouneem2024
             propagate_covariance(F, Q, FP, P)
             return True
 

@@ -267,9 +267,9 @@ def update_error(P, innovation, H, R, R_fixed, C, correlated, weights, work):
     nis = whitened_square(L, white)
     if not np.isfinite(nis):
         return np.nan
-    weighted_gain(L, work.gain_factor, K)  # (23), (36) imani2026
-    correction(K, innovation, weights, work.shift)  # (24), (38) imani2026
-    joseph(P, work.KT, work.HP, H, R_bar, C, correlated, work.A, work.W)  # (25), (37) imani2026
+    weighted_gain(L, work.gain_factor, K)  # (23), (36) imani2026 # (9) ghouneem2024
+    correction(K, innovation, weights, work.shift)  # (24), (38) imani2026 # (10) ghouneem2024
+    joseph(P, work.KT, work.HP, H, R_bar, C, correlated, work.A, work.W)  # (25), (37) imani2026 # (11) ghouneem2024
     mark_removed(weights, S, L)
     return nis
 
