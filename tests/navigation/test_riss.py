@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from robins.foundation.earth import EARTH_RATE, meridian_radius, transverse_radius
+from robins.foundation.errors import InputError
 from robins.kalman.model import linearise, process_noise, propagate
 from robins.navigation.riss import (
     ACCELERATION,
@@ -33,6 +34,7 @@ from robins.navigation.riss import (
     V_UP,
     geodetic,
     inputs,
+    require_regular,
     riss,
     tilt,
     turn_rate,
@@ -428,3 +430,21 @@ def test_noise_that_is_no_nine_variances_is_refused(noise):
 def test_a_latitude_beyond_the_poles_or_in_degrees_is_refused(latitude):
     with pytest.raises(ValueError, match="latitude: found"):
         riss(TOTAL, DT, latitude, 0.0, np.zeros(STATES), BIAS_TIME, ODOMETER_TIME)
+
+
+@pytest.mark.parametrize(
+    ("time", "row", "found"),
+    [
+        ([0.0, 0.05, 0.10, 0.25, 0.30], 3, "0.15 s"),
+        ([0.0, 0.05, 0.05, 0.10], 2, "0 s"),
+        ([0.0, 0.05, 0.10, 0.02], 3, "-0.08 s"),
+        ([0.0, np.nan, 0.10], 1, "nan s"),
+    ],
+)
+def test_a_record_with_a_gap_or_a_step_back_is_refused_with_its_row(time, row, found):
+    with pytest.raises(InputError, match=rf"drive: time, row {row}: found {found} after the row before, expected 0.05 s"):
+        require_regular("drive", np.array(time), 0.05)
+
+
+def test_a_regular_record_is_taken_whatever_its_rounding():
+    require_regular("drive", np.arange(100_000) * 0.05, 0.05)

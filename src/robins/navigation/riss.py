@@ -26,6 +26,7 @@ from typing import NamedTuple
 import numpy as np
 
 from robins.foundation.earth import EARTH_RATE, meridian_radius, transverse_radius
+from robins.foundation.errors import InputError
 from robins.foundation.smallmat import kernel
 from robins.kalman.extension import implements
 from robins.kalman.model import linearise, process_noise, propagate
@@ -123,6 +124,21 @@ def tilt(mode: str, force: np.ndarray, speed: np.ndarray, acceleration: np.ndarr
     sign = 1.0 if mode == PRINTED else -1.0
     pitch = np.arctan(sign * fy / np.hypot(fx, fz))  # (1) ghouneem2024
     return pitch, np.arctan(-fx / fz)  # (1) ghouneem2024
+
+
+def require_regular(name: str, time: np.ndarray, dt: float) -> None:
+    """Refuse a record ``(N,)`` whose time (s) does not go on by `dt` from row to row: the mechanisation has no other step.
+
+    Raises
+    ------
+    InputError
+        Naming the row after a gap, a repetition or a step back.
+    """
+    step = np.diff(time)
+    wrong = np.flatnonzero(~(np.abs(step - dt) < 1e-3 * dt))
+    if wrong.size:
+        row = int(wrong[0]) + 1
+        raise InputError(name, f"time, row {row}", f"{step[wrong[0]]:g} s after the row before", f"{dt:g} s: no gap, no step back")
 
 
 def inputs(rate: np.ndarray, speed: np.ndarray, acceleration: np.ndarray, pitch: np.ndarray, roll: np.ndarray) -> np.ndarray:

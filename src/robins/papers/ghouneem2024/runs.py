@@ -15,7 +15,7 @@ from robins.kalman.filter import Record, run_filter
 from robins.kalman.gates import integrity_gate, nis_gate
 from robins.kalman.weights import Weighting, weighting
 from robins.navigation.fixes import fix_sensor
-from robins.navigation.riss import AZIMUTH, EAST, HEIGHT, INPUTS, NORTH, STATES, inputs, tilt
+from robins.navigation.riss import AZIMUTH, EAST, HEIGHT, INPUTS, NORTH, STATES, inputs, require_regular, tilt
 from robins.papers.ghouneem2024.as_printed import reused
 from robins.papers.ghouneem2024.filters import (
     JUMP_LIMITS,
@@ -127,6 +127,7 @@ def received(case: Case, run: int) -> Fixes:
 def prepare(case: Case, run: int, fixes: Fixes | None = None) -> Prepared:
     """The samples of a run; `fixes` in place of those of the environment."""
     driven = trajectory(case.place)
+    require_regular(f"trajectory {case.place}", driven.time, 1.0 / RATE_HZ)
     fixes = received(case, run) if fixes is None else fixes
     valid = np.zeros(driven.time.size, bool)
     measurements = np.zeros((driven.time.size, 6))
