@@ -27,7 +27,7 @@ from robins.papers.ghouneem2024.filters import FILTERS
 from robins.papers.ghouneem2024.gps import MISLEADING, MULTIPATH
 from robins.papers.ghouneem2024.options import OPTIONS
 from robins.papers.ghouneem2024.runs import CHANNELS
-from robins.papers.ghouneem2024.studies import ALPHAS, AZIMUTH_ERRORS, CAUSES, SEVERITIES
+from robins.papers.ghouneem2024.studies import ALPHAS, AZIMUTH_ERRORS, CAUSES, PRIORS, SEVERITIES
 from robins.papers.ghouneem2024.traces import SHOWN
 from robins.papers.ghouneem2024.trajectories import TRAJECTORIES
 from robins.papers.ghouneem2024.tune import CELLS
@@ -79,8 +79,8 @@ def study_labels(name: str) -> list[dict]:
     if name == "initialisation":
         started = [(f, OPTIONS["alpha"]) for f in FILTERS] + [("ukf", 1.0)]
         return [
-            {"trajectory": p, "azimuth_error": e, "filter": f, "alpha": a}
-            for p, e, (f, a) in product(TRAJECTORIES, AZIMUTH_ERRORS, started)
+            {"trajectory": p, "azimuth_error": e, "prior": b, "filter": f, "alpha": a}
+            for p, e, b, (f, a) in product(TRAJECTORIES, AZIMUTH_ERRORS, PRIORS, started)
         ]
     if name == "unscented":
         kinds = [*product(ALPHAS, ("corrected", "printed"), (True,)), (OPTIONS["alpha"], "corrected", False)]
