@@ -171,9 +171,9 @@ def header(column) -> str:
 
 
 def rounded(value) -> str:
-    """A cell for readers: numbers to four significant digits."""
+    """A cell for readers: numbers to four significant digits, of what stands in the CSV."""
     if isinstance(value, Real) and not isinstance(value, Integral):
-        return f"{value + 0.0:.4g}"
+        return f"{float(_spelled(value)):.4g}"
     return str(value)
 
 

@@ -360,7 +360,7 @@ def test_the_gate_is_judged_by_filter_and_by_cause_with_its_lockouts(published):
     assert "More than 2 times worse in 50 of 50 runs" in row_at(rows, "T1, T2-frozen, gate alone", "ukf-gate/ukf").reason
     assert row_at(rows, "T2, only misleading, m = 8", "ukf/ukf").verdict == Verdict.REPLICATED
     assert row_at(rows, "T2, only outages, nis", "physical/physical").verdict == Verdict.INCONCLUSIVE
-    assert "misleading 24, multipath 0, outages 0" in overall(rows).reason
+    assert "misleading 24 and 0 of 24, multipath 0 and 0 of 24, outages 0 and 0 of 24" in overall(rows).reason
 
 
 def test_tuning_that_needs_a_reference_and_a_constant_q_is_not_in_real_time(published):

@@ -172,6 +172,10 @@ def judge_convergence(results: Results) -> list[Row]:
     never = never_rows(results, alpha)
     counts = "; ".join(f"{row.condition} {row.variant} {row.ours}" for row in never)
     verdicts = {words: row.verdict for words, row in decisive.items()}
+    own = [
+        np.isinf(np.concatenate([times(results, started(place, error, UKF, alpha)) for error in AZIMUTH_ERRORS])) for place in TRAJECTORIES
+    ]
+    counts += "".join(f"; {place.upper()} {UKF} {int(lost.sum())} of {lost.size}" for place, lost in zip(TRAJECTORIES, own, strict=True))
     reason = (
         f"Share of the runs in which the UKF's azimuth settles within 5 deg sooner, at more initial errors than later: {listing(verdicts)} "
         f"Never settled with P0 of the data sheet: {counts}."

@@ -156,7 +156,7 @@ def draw_velocities(results: Results, place: str) -> Drawing:
 def finish_pair(figure: Drawing, axes: np.ndarray, results: Results, place: str, what: str) -> None:
     """Outages, windows, titles and legend of a figure with the whole run at the left and the longest outage at the right."""
     arrays = results.arrays("traces")
-    shade(axes.flat, arrays, place)
+    shade(list(axes.flat), arrays, place)  # every outage goes over all axes: an iterator would serve the first alone
     axes[-1, 0].set_xlim(0, arrays[f"{place}.time"][-1])
     axes[-1, 1].set_xlim(*longest_outage(arrays, place))
     panel_title(axes[0, 0], "whole run")
